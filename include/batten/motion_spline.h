@@ -16,9 +16,9 @@ BAT_C_BEGIN
 /// What holds at the two ends of an open motion.
 typedef enum bat_motion_ends
 {
-    BAT_MOTION_ENDS_AUTO,       ///< not-a-knot in R^n; in other spaces by how the acceleration changes from key to key, as
-                                ///< measured best: not-a-knot where slowly, natural where faster, else the mean velocity of
-                                ///< the interval
+    BAT_MOTION_ENDS_AUTO,       ///< by how the acceleration changes from key to key, as measured best: not-a-knot where
+                                ///< slowly, natural where faster (in R^n not-a-knot), else the mean velocity of the
+                                ///< interval
     BAT_MOTION_ENDS_NOT_A_KNOT, ///< the first two intervals share one cubic, and so do the last two
     BAT_MOTION_ENDS_NATURAL,    ///< the acceleration is 0
     BAT_MOTION_ENDS_CLAMPED     ///< the velocity is given, or 0

@@ -65,7 +65,7 @@ struct bat_motion_spline
 };
 
 static const bat_choice ENDS[] = {
-    CHOICE("auto", "not-a-knot in R^n; elsewhere by how fast accelerations change", BAT_MOTION_ENDS_AUTO),
+    CHOICE("auto", "by how fast accelerations change; not-a-knot for smooth motions", BAT_MOTION_ENDS_AUTO),
     CHOICE("not-a-knot", "the first two intervals share one cubic, and the last two", BAT_MOTION_ENDS_NOT_A_KNOT),
     CHOICE("natural", "no acceleration at the ends", BAT_MOTION_ENDS_NATURAL),
     CHOICE("clamped", "given velocities at the ends, else none", BAT_MOTION_ENDS_CLAMPED),
@@ -74,7 +74,7 @@ const bat_family bat_motion_ends_family = FAMILY("kind of ends", ENDS);
 
 static const bat_choice SHAPES[] = {
     CHOICE_OF_USE(UNNAMED, "auto", "rests are kept", BAT_MOTION_SHAPE_AUTO),
-    CHOICE("resting", "continuous acceleration, except next to rests, where nothing overshoots", BAT_MOTION_SHAPE_RESTING),
+    CHOICE("resting", "continuous acceleration, except at rests, gaps and jumps, beside which nothing overshoots", BAT_MOTION_SHAPE_RESTING),
     CHOICE("smooth", "continuous acceleration everywhere", BAT_MOTION_SHAPE_SMOOTH),
     CHOICE("limited", "monotone between neighbours (Fritsch and Carlson)", BAT_MOTION_SHAPE_LIMITED),
 };

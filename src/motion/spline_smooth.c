@@ -304,8 +304,7 @@ static size_t interval_beside(const spline_system *system, size_t interval, int 
     return side < 0 ? (interval > 0 ? interval - 1 : n - 1) : (interval + 1 < n ? interval + 1 : 0);
 }
 
-/// The mean speed of an interval.
-static double speed_of(const spline_system *system, size_t interval)
+double spline_speed(const spline_system *system, size_t interval)
 {
     const bat_space *space = &system->factor->space;
     size_t n = space->tangent_dim;
@@ -324,11 +323,10 @@ static bool is_jolt(const spline_system *system, size_t interval)
         return false;
     size_t before = interval_beside(system, interval, -1), after = interval_beside(system, interval, 1);
     const double *h = system->lengths;
-    if (before == after)
+    if (before == after || SHORTER * h[interval] > fmin(h[before], h[after]))
         return false;
-    bool is_short = SHORTER * h[interval] <= fmin(h[before], h[after]);
-    double speed = speed_of(system, interval), left = speed_of(system, before), right = speed_of(system, after);
-    return speed > RATIO * fmax(left, right) || (is_short && RATIO * speed < fmin(left, right));
+    double speed = spline_speed(system, interval), left = spline_speed(system, before), right = spline_speed(system, after);
+    return speed > RATIO * fmax(left, right) || RATIO * speed < fmin(left, right);
 }
 
 /// Give both keys of a jolt the velocity of the parabola through the keys around it, as if they were one.

@@ -18,7 +18,9 @@ enum
     DIM = BAT_SPACE_MAX_DIM,
     MAX_STEPS = 1000,
     /// Steps that put the slopes right once the velocities are.
-    FINISH_STEPS = 20
+    FINISH_STEPS = 20,
+    /// The fewest keys that tell where a motion is rough; and its ends, in R^n.
+    TELLING = 8
 };
 
 /// Neighbouring keys closer than this share of the longest step are at rest.
@@ -34,8 +36,13 @@ static const double MIN_SHARE = 1.0 / 128;
 static const double SLOW = 0.3;
 static const double FAST = 0.85;
 
-/// Ratios to the intervals beside it from which on an interval is a gap; neighbours tell less of its motion; nothing.
-static const double LONGER = 4, DOUBTFUL = 8, UNKNOWN = 15;
+/// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
+/// this many radians, at their rate of change beside it.
+static const double LONGER = 4, TOLD = 1.5;
+
+/// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
+/// which its weight falls; and the weight below which it counts as held, and is not used.
+static const double FAR = 2, ROUGH = 0.6, HELD = 0.25, MIN_WEIGHT = 1e-9;
 
 typedef enum end_row
 {
@@ -56,10 +63,14 @@ bool spline_system_allocate(spline_system *system)
     system->turnings = turns ? memory_array(system->intervals, 2 * sizeof *system->turnings) : NULL;
     system->residuals = memory_array(system->count, n * sizeof(double));
     system->rows = memory_array(system->count, 3 * sizeof(double));
+    system->weights = memory_array(system->intervals, sizeof(double));
+    system->calm = calloc(system->intervals, sizeof(double));
+    for (size_t i = 0; i < system->intervals && system->weights != NULL; i++)
+        system->weights[i] = 1;
     system->fixed = calloc(system->count, sizeof *system->fixed);
     return (!turns || system->turnings != NULL) && system->middles != NULL && system->logs != NULL &&
            system->slopes != NULL && system->accelerations != NULL && system->residuals != NULL && system->rows != NULL &&
-           system->fixed != NULL;
+           system->weights != NULL && system->calm != NULL && system->fixed != NULL;
 }
 
 void spline_system_free(spline_system *system)
@@ -72,6 +83,8 @@ void spline_system_free(spline_system *system)
     free(system->charts);
     free(system->residuals);
     free(system->rows);
+    free(system->weights);
+    free(system->calm);
     free(system->fixed);
 }
 
@@ -269,42 +282,125 @@ static bool is_closed(const spline_system *system)
     return system->intervals == system->count;
 }
 
-/// The squared change of the acceleration from key to key over twice its square: near 0 for samples of a smooth motion, near
-/// 1 where accelerations are independent. They are second differences.
-static bat_status measure_roughness(const spline_system *system, double *roughness, size_t *failed)
+static size_t interval_before(const spline_system *system, size_t key)
 {
-    const bat_space *space = &system->factor->space;
+    return key > 0 ? key - 1 : system->intervals - 1;
+}
+
+/// Accelerations at the keys by second differences, as residuals; zeros at open ends.
+static bat_status find_bends(spline_system *system, size_t *failed)
+{
     size_t n = size_of(system);
-    double rate[2][DIM], mean[DIM], acceleration[DIM], last[DIM], change = 0, squared = 0;
-    for (size_t k = 1; k + 1 < system->count; k++)
-    {
-        const double *p = point_of(system, k);
-        *failed = k;
+    double mean[DIM], rate[DIM];
+    memset(system->residuals, 0, system->count * n * sizeof *system->residuals);
+    for (size_t k = is_closed(system) ? 0 : 1; k < system->intervals; k++)
         for (size_t side = 0; side < 2; side++)
         {
-            size_t i = k - 1 + side;
+            size_t i = side == 0 ? interval_before(system, k) : k;
             const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
+            double total = (system->lengths[interval_before(system, k)] + system->lengths[k]) / 2;
+            *failed = k;
             for (size_t c = 0; c < n; c++)
-                mean[c] = (a[c] - b[c]) / system->lengths[i];
-            bat_status status = spline_transport(system, i, AT_MIDDLE, side == 0 ? AT_END : AT_BEGIN, mean, rate[side]);
+                mean[c] = (a[c] - b[c]) / (system->lengths[i] * (side == 0 ? -total : total));
+            bat_status status = spline_transport(system, i, AT_MIDDLE, side == 0 ? AT_END : AT_BEGIN, mean, rate);
+            for (size_t c = 0; c < n && status == BAT_OK; c++)
+                of_key(system, system->residuals, k)[c] += rate[c];
             if (status != BAT_OK)
                 return status;
         }
-        bat_status status = k > 1 ? spline_transport(system, k - 1, AT_BEGIN, AT_END, acceleration, last) : BAT_OK;
+    return BAT_OK;
+}
+
+/// Whether a key has an acceleration of find_bends().
+static bool bends_at(const spline_system *system, size_t key)
+{
+    return is_closed(system) || (key > 0 && key < system->intervals);
+}
+
+/// The squared change of the acceleration from key to key over twice its square: near 0 for samples of a smooth motion, near
+/// 1 where accelerations are independent. They are second differences, of find_bends(). Puts into the rows of each key: the
+/// length of its acceleration, infinite where there is none, and both squares, of the way to it from the key before.
+static bat_status measure_roughness(spline_system *system, size_t *failed)
+{
+    size_t n = size_of(system);
+    double last[DIM], change = 0, squared = 0;
+    for (size_t k = 0; k < system->count; k++)
+    {
+        size_t before = interval_before(system, k);
+        const double *acceleration = of_key(system, system->residuals, k);
+        double *row = system->rows + 3 * k;
+        row[0] = bends_at(system, k) ? norm_at(system, k, acceleration) : INFINITY;
+        row[1] = row[2] = 0;
+        *failed = k;
+        if (!bends_at(system, k) || !bends_at(system, before) || system->fixed[k] == KEY_GIVEN ||
+            system->fixed[before] == KEY_GIVEN)
+            continue;
+        bat_status status =
+            spline_transport(system, before, AT_BEGIN, AT_END, of_key(system, system->residuals, before), last);
         if (status != BAT_OK)
             return status;
+        row[2] = pow(row[0], 2) + pow(norm_at(system, k, last), 2);
         for (size_t c = 0; c < n; c++)
-            acceleration[c] = 2 * (rate[1][c] - rate[0][c]) / (system->lengths[k - 1] + system->lengths[k]);
-        if (k > 1)
-        {
-            squared += space->inner(space, p, acceleration, acceleration) + space->inner(space, p, last, last);
-            for (size_t c = 0; c < n; c++)
-                last[c] = acceleration[c] - last[c];
-            change += space->inner(space, p, last, last);
-        }
+            last[c] -= acceleration[c];
+        row[1] = pow(norm_at(system, k, last), 2);
+        change += row[1];
+        squared += row[2];
     }
-    *roughness = squared > 0 ? change / squared : 0;
+    system->roughness = squared > 0 ? change / squared : 0;
     return BAT_OK;
+}
+
+/// How many times longer an interval is than those beside it.
+static double gap_of(const spline_system *system, size_t i)
+{
+    bool closed = is_closed(system);
+    size_t n = system->intervals, before = i > 0 ? i - 1 : n - 1, after = i + 1 < n ? i + 1 : 0;
+    double beside = fmax(i > 0 || closed ? system->lengths[before] : 0, i + 1 < n || closed ? system->lengths[after] : 0);
+    return n > 2 ? system->lengths[i] / beside : 1;
+}
+
+/// The key or interval that is `steps` after another one, of `count`. False beyond an open end.
+static bool place_at(const spline_system *system, size_t from, ptrdiff_t steps, size_t count, size_t *place)
+{
+    ptrdiff_t all = (ptrdiff_t)count, at = (ptrdiff_t)from + steps;
+    at = is_closed(system) ? (at + all) % all : at;
+    *place = (size_t)at;
+    return at >= 0 && at < all;
+}
+
+/// Find the weights of intervals, by the rows of measure_roughness(): as those of Salkauskas (C1 splines for interpolation
+/// of rapidly varying data, 1984), but 1 where the motion is smooth. In a jump it accelerates, and then the opposite way, by
+/// far more than around. And find the shares of gaps, by velocities and accelerations beside them.
+static void weigh(spline_system *system)
+{
+    const double *h = system->lengths, *rows = system->rows;
+    for (size_t i = 0; i < system->intervals && system->count >= TELLING; i++)
+    {
+        double beside = INFINITY, around[2] = {0}, pace[2] = {0}, rough[2] = {0};
+        size_t j, next = key_after(system, i);
+        for (ptrdiff_t d = -2; d <= 3; d++)
+        {
+            bool inside = place_at(system, i, d, system->count, &j);
+            for (size_t c = 0; c < 2 && d > -2 && inside; c++)
+                rough[c] += rows[3 * j + 1 + c];
+            if (d != 0 && d != 1 && inside && isfinite(rows[3 * j]))
+                around[d > 0] = fmax(around[d > 0], rows[3 * j]);
+            if (d * d != 1 || !place_at(system, i, d, system->intervals, &j))
+                continue;
+            double bend = rows[3 * (d < 0 ? j : key_after(system, j))];
+            beside = fmin(beside, h[j]);
+            pace[0] += isfinite(bend) ? pow(spline_speed(system, j), 2) : 0;
+            pace[1] += isfinite(bend) ? bend * bend : 0;
+        }
+        double opposite = sqrt(fmax((rows[3 * next + 1] - rows[3 * next + 2]) / 2, 0));
+        double own = fmin(opposite, fmin(rows[3 * i], rows[3 * next])), least = FAR * (around[0] + around[1]) / 2;
+        double weight = own > least && rough[0] > ROUGH * rough[1] ? least / own : 1;
+        system->held += weight < HELD && system->fixed[i] != KEY_GIVEN;
+        weight = weight < HELD ? 0 : weight;
+        system->weights[i] = fmax(weight * pow(fmin(h[i] / beside, 1), 1 - weight), MIN_WEIGHT);
+        if (gap_of(system, i) > LONGER && pace[0] > 0)
+            system->calm[i] = fmax(1 - TOLD * sqrt(pace[0] / pace[1]) / h[i], 0);
+    }
 }
 
 /// The row of an open end that is not fixed. Next to a rest, or among three keys, there is no knot to leave out.
@@ -312,10 +408,14 @@ static end_row row_of_end(const spline_system *system, bat_motion_ends ends, boo
 {
     if (ends == BAT_MOTION_ENDS_NATURAL)
         return ROW_NATURAL;
-    if (ends == BAT_MOTION_ENDS_AUTO && system->roughness > SLOW)
-        return system->roughness > FAST ? ROW_MEAN : ROW_NATURAL;
+    bool flat = system->factor->kind == FACTOR_FLAT;
+    if (ends == BAT_MOTION_ENDS_AUTO && system->roughness > FAST && (!flat || system->count >= TELLING))
+        return ROW_MEAN;
+    if (ends == BAT_MOTION_ENDS_AUTO && system->roughness > SLOW && !flat)
+        return ROW_NATURAL;
     size_t next = first ? 1 : system->count - 2, last = first ? system->count - 1 : 0;
     bool alone = system->fixed[next] || system->count < 3 || (system->count == 3 && !system->fixed[last]);
+    alone = alone || system->weights[first ? 0 : next] < 1 || system->weights[first ? 1 : next - 1] < 1;
     return alone ? ROW_PARABOLA : ROW_NOT_A_KNOT;
 }
 
@@ -352,7 +452,8 @@ static void fill_rows(spline_system *system, bat_motion_ends ends)
         }
         else
         {
-            double before = 1 / h[first ? system->intervals - 1 : k - 1], after = 1 / h[k];
+            size_t beside = interval_before(system, k);
+            double before = system->weights[beside] / h[beside], after = system->weights[k] / h[k];
             row[0] = first ? 0 : 2 * before;
             row[1] = 4 * (before + after);
             row[2] = last ? 0 : 2 * after;
@@ -432,10 +533,11 @@ static bat_status fill_residuals(spline_system *system, bat_motion_ends ends, si
             status = end_residual(system, ends, k == 0, residual);
         else
         {
-            const double *before = at_end(system, system->accelerations, k == 0 ? system->intervals - 1 : k - 1, 1);
+            size_t beside = interval_before(system, k);
+            const double *before = at_end(system, system->accelerations, beside, 1);
             const double *after = at_end(system, system->accelerations, k, 0);
             for (size_t c = 0; c < n; c++)
-                residual[c] = after[c] - before[c];
+                residual[c] = system->weights[k] * after[c] - system->weights[beside] * before[c];
         }
         if (status != BAT_OK)
             return status;
@@ -645,29 +747,21 @@ static bat_status estimate(spline_system *system, bat_error *error)
     return BAT_OK;
 }
 
-/// How many times longer an interval is than those beside it.
-static double gap_of(const spline_system *system, size_t i)
-{
-    bool closed = is_closed(system);
-    size_t n = system->intervals, before = i > 0 ? i - 1 : n - 1, after = i + 1 < n ? i + 1 : 0;
-    double beside = fmax(i > 0 || closed ? system->lengths[before] : 0, i + 1 < n || closed ? system->lengths[after] : 0);
-    return n > 2 ? system->lengths[i] / beside : 1;
-}
-
 /// Whether an interval begins or ends at rest, or is a gap: velocities from short steps must not lead far over a long one.
+/// A jump limits nothing.
 static bool meets_rest(const spline_system *system, size_t i)
 {
-    return gap_of(system, i) > LONGER || system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
+    bool rests = system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
+    return system->weights[i] >= HELD && (rests || gap_of(system, i) > LONGER);
 }
 
-/// Let the velocities at both ends of a gap go over to its mean velocity, the more the longer it is.
+/// Let the velocities at both ends of a gap go over to its mean velocity, the more the less they tell of the motion in it.
 static bat_status calm_gaps(spline_system *system)
 {
     double pushed[DIM];
     for (size_t i = 0; i < system->intervals; i++)
     {
-        double gap = gap_of(system, i), share = fmin((gap - DOUBTFUL) / (UNKNOWN - DOUBTFUL), 1);
-        for (size_t end = 0; end < 2 && gap > DOUBTFUL; end++)
+        for (size_t end = 0; end < 2 && system->calm[i] > 0; end++)
         {
             size_t key = end == 0 ? i : key_after(system, i);
             double slope[DIM], *velocity = of_key(system, system->velocities, key);
@@ -681,7 +775,7 @@ static bat_status calm_gaps(spline_system *system)
             if (status != BAT_OK)
                 return status;
             for (size_t c = 0; c < size_of(system); c++)
-                velocity[c] += share * (pushed[c] - velocity[c]);
+                velocity[c] += system->calm[i] * (pushed[c] - velocity[c]);
         }
     }
     return BAT_OK;
@@ -778,15 +872,15 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
         if (both)
             system->fixed[0] = system->fixed[1] = KEY_GIVEN;
     }
-    system->roughness = 0;
     size_t key = 0;
-    if (status == BAT_OK && ends == BAT_MOTION_ENDS_AUTO && !is_closed(system) &&
-        (system->rough || system->factor->kind != FACTOR_FLAT))
-    {
-        status = measure_roughness(system, &system->roughness, &key);
-        if (status != BAT_OK)
-            (void)fail(system, status, key, error);
-    }
+    if (status == BAT_OK)
+        status = find_bends(system, &key);
+    if (status == BAT_OK)
+        status = measure_roughness(system, &key);
+    if (status != BAT_OK)
+        (void)fail(system, status, key, error);
+    else if (shape <= BAT_MOTION_SHAPE_RESTING)
+        weigh(system);
     fill_rows(system, ends);
     if (status == BAT_OK)
         status = iterate(system, ends, diagonal, error);

@@ -132,12 +132,14 @@ typedef struct spline_system
     spline_turning *turnings; ///< 2, FACTOR_ROTATION, else null
     spline_chart *charts;     ///< FACTOR_ANY of few dimensions, else null
     // By key.
-    double *residuals;    ///< tangent_dim
-    double *rows;         ///< 3: lower, diagonal, upper
-    bool rough;           ///< ends go by roughness in R^n as well
-    double roughness;     ///< of accelerations, where the ends go by it; else 0
-    unsigned char *fixed; ///< a key_state: 0 while the velocity is unknown
-    size_t held;          ///< intervals that spline_system_hold() found
+    double *residuals; ///< tangent_dim
+    double *rows;      ///< 3: lower, diagonal, upper
+    double roughness;  ///< of accelerations, where the ends go by it; else 0
+    // By interval.
+    double *weights;      ///< of accelerations: below 1 where they are far above those around
+    double *calm;         ///< shares by which the velocities at the ends of gaps go over to the mean one
+    unsigned char *fixed; ///< of keys, a key_state: 0 while the velocity is unknown
+    size_t held;          ///< intervals that spline_system_hold() found, or of little weight
 } spline_system;
 
 /// Allocate the arrays but for points, lengths and velocities.
@@ -175,6 +177,9 @@ bat_status spline_transport(const spline_system *system, size_t interval, spline
 
 /// The whole way of an interval at one of its ends, as the velocity of its geodesic that takes a unit of time.
 bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord);
+
+/// The mean speed of an interval.
+double spline_speed(const spline_system *system, size_t interval);
 
 /// Fix the velocities of keys that are far nearer in time than their neighbours are, where their step is far faster or
 /// slower than those around it: they are those of the motion around both.

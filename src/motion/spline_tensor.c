@@ -71,11 +71,8 @@ bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, ba
     const bat_space *space = &system->factor->space;
     size_t n = space->tangent_dim, given = 0;
     const spline_factor linear = {.kind = FACTOR_FLAT, .space = bat_euclidean(n)};
-    spline_system flat = {.factor = &linear,
-                          .count = system->count,
-                          .intervals = system->intervals,
-                          .lengths = system->lengths,
-                          .rough = true};
+    spline_system flat = {
+        .factor = &linear, .count = system->count, .intervals = system->intervals, .lengths = system->lengths};
     double identity[DIM], end[2][DIM], *logs = memory_array(system->count, n * sizeof *logs);
     flat.velocities = calloc(system->count, n * sizeof *logs);
     flat.points = logs;

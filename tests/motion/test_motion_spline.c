@@ -194,7 +194,7 @@ static void accelerations_are_continuous(void **state)
             const bat_space *space = &all.spaces[s];
             smooth_curve curve = curve_in(space);
             const double step = 1e-4, tiny = 1e-9;
-            sample_curve(&curve, 10, closed, &made);
+            sample_curve(&curve, 14, closed, &made);
             bat_motion_spline *spline = must_make(&made.curve, NULL);
             for (size_t i = 1; i + 1 < made.curve.count; i++)
             {
@@ -480,6 +480,34 @@ static void motions_do_not_leave_their_keys(void **state)
         assert_int_equal(bat_motion_spline_keys(spline).held, 0);
         if (what < 2)
             assert_true(what == 1 || distance_from_sine(spline) > 1);
+        bat_motion_spline_free(spline);
+    }
+}
+
+// A jump from a rest does not tell the velocity after it: the motion goes on as if it began there.
+static void jumps_tell_no_velocity(void **state)
+{
+    (void)state;
+    double times[21], points[21], p;
+    bat_space line = bat_euclidean(1);
+    for (int i = 0; i <= 20; i++)
+    {
+        times[i] = i / 4.0;
+        points[i] = i <= 10 ? 0 : 3 + sin(times[i]);
+    }
+    bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 21};
+    for (int shape = BAT_MOTION_SHAPE_RESTING; shape <= BAT_MOTION_SHAPE_SMOOTH; shape++)
+    {
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        options.shape = (bat_motion_shape)shape;
+        bat_motion_spline *spline = must_make(&curve, &options);
+        double error = 0;
+        for (int i = 0; i <= 100; i++)
+        {
+            must_give(spline, 2.75 + i / 100.0, &p, NULL, NULL);
+            error = fmax(error, fabs(p - 3 - sin(2.75 + i / 100.0)));
+        }
+        assert_true(shape == BAT_MOTION_SHAPE_RESTING ? error < 2e-3 : error > 0.1);
         bat_motion_spline_free(spline);
     }
 }
@@ -892,6 +920,7 @@ int main(void)
         cmocka_unit_test(what_rests_stays_at_rest),
         cmocka_unit_test(motions_do_not_leave_their_keys),
         cmocka_unit_test(gaps_are_crossed_gently),
+        cmocka_unit_test(jumps_tell_no_velocity),
         cmocka_unit_test(limited_motions_are_monotone),
         cmocka_unit_test(limits_leave_smooth_data_alone),
         cmocka_unit_test(given_velocities_are_kept),
