@@ -38,7 +38,7 @@ static const double FAST = 0.85;
 
 /// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
 /// this many radians, at their rate of change beside it.
-static const double LONGER = 4, TOLD = 1.5;
+static const double LONGER = 2.5, TOLD = 1.2;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
 /// which its weight falls; and the weight below which it counts as held, and is not used.
