@@ -287,27 +287,52 @@ static size_t interval_before(const spline_system *system, size_t key)
     return key > 0 ? key - 1 : system->intervals - 1;
 }
 
+bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord)
+{
+    const bat_space *space = &system->factor->space;
+    size_t n = size_of(system), from = end == AT_BEGIN ? interval : key_after(system, interval);
+    size_t to = end == AT_BEGIN ? key_after(system, interval) : interval;
+    const double *logs = system->logs + 2 * interval * n;
+    bool turns = system->factor->kind == FACTOR_ROTATION; // the same at both ends
+    bat_status status = turns ? BAT_OK : space->log(space, point_of(system, from), point_of(system, to), chord);
+    for (size_t c = 0; c < n; c++)
+        chord[c] = turns ? logs[n + c] - logs[c] : end == AT_BEGIN ? chord[c] : -chord[c];
+    return status;
+}
+
+/// Mean velocities before and after a key, at the key; zeros where there is no interval.
+static bat_status chords_of(const spline_system *system, size_t key, double *before, double *after, bool *has_before,
+                            bool *has_after)
+{
+    size_t interval = interval_before(system, key);
+    *has_before = key > 0 || is_closed(system);
+    *has_after = key < system->intervals;
+    bat_status status = *has_before ? spline_chord(system, interval, AT_END, before) : BAT_OK;
+    if (status == BAT_OK && *has_after)
+        status = spline_chord(system, key, AT_BEGIN, after);
+    for (size_t c = 0; c < size_of(system); c++)
+    {
+        before[c] /= *has_before ? system->lengths[interval] : 1;
+        after[c] /= *has_after ? system->lengths[key] : 1;
+    }
+    return status;
+}
+
 /// Accelerations at the keys by second differences, as residuals; zeros at open ends.
 static bat_status find_bends(spline_system *system, size_t *failed)
 {
-    size_t n = size_of(system);
-    double mean[DIM], rate[DIM];
-    memset(system->residuals, 0, system->count * n * sizeof *system->residuals);
-    for (size_t k = is_closed(system) ? 0 : 1; k < system->intervals; k++)
-        for (size_t side = 0; side < 2; side++)
-        {
-            size_t i = side == 0 ? interval_before(system, k) : k;
-            const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
-            double total = (system->lengths[interval_before(system, k)] + system->lengths[k]) / 2;
-            *failed = k;
-            for (size_t c = 0; c < n; c++)
-                mean[c] = (a[c] - b[c]) / (system->lengths[i] * (side == 0 ? -total : total));
-            bat_status status = spline_transport(system, i, AT_MIDDLE, side == 0 ? AT_END : AT_BEGIN, mean, rate);
-            for (size_t c = 0; c < n && status == BAT_OK; c++)
-                of_key(system, system->residuals, k)[c] += rate[c];
-            if (status != BAT_OK)
-                return status;
-        }
+    double before[DIM] = {0}, after[DIM] = {0};
+    for (*failed = 0; *failed < system->count; ++*failed)
+    {
+        bool left, right;
+        bat_status status = chords_of(system, *failed, before, after, &left, &right);
+        if (status != BAT_OK)
+            return status;
+        size_t k = *failed, next = right ? k : 0;
+        double total = (system->lengths[interval_before(system, k)] + system->lengths[next]) / 2;
+        for (size_t c = 0; c < size_of(system); c++)
+            of_key(system, system->residuals, k)[c] = left && right ? (after[c] - before[c]) / total : 0;
+    }
     return BAT_OK;
 }
 
@@ -642,37 +667,6 @@ static bat_status iterate(spline_system *system, bat_motion_ends ends, double *d
     return error_remedy(error, BAT_NO_CONVERGENCE, "shape", "limited does without");
 }
 
-bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord)
-{
-    const bat_space *space = &system->factor->space;
-    size_t n = size_of(system), from = end == AT_BEGIN ? interval : key_after(system, interval);
-    size_t to = end == AT_BEGIN ? key_after(system, interval) : interval;
-    const double *logs = system->logs + 2 * interval * n;
-    bool turns = system->factor->kind == FACTOR_ROTATION; // the same at both ends
-    bat_status status = turns ? BAT_OK : space->log(space, point_of(system, from), point_of(system, to), chord);
-    for (size_t c = 0; c < n; c++)
-        chord[c] = turns ? logs[n + c] - logs[c] : end == AT_BEGIN ? chord[c] : -chord[c];
-    return status;
-}
-
-/// Mean velocities before and after a key, at the key; zeros where there is no interval.
-static bat_status chords_of(const spline_system *system, size_t key, double *before, double *after, bool *has_before,
-                            bool *has_after)
-{
-    size_t interval = key > 0 ? key - 1 : system->intervals - 1;
-    *has_before = key > 0 || is_closed(system);
-    *has_after = key < system->intervals;
-    bat_status status = *has_before ? spline_chord(system, interval, AT_END, before) : BAT_OK;
-    if (status == BAT_OK && *has_after)
-        status = spline_chord(system, key, AT_BEGIN, after);
-    for (size_t c = 0; c < size_of(system); c++)
-    {
-        before[c] /= *has_before ? system->lengths[interval] : 1;
-        after[c] /= *has_after ? system->lengths[key] : 1;
-    }
-    return status;
-}
-
 /// Move v to the nearest vector that leads back along none of two directions. Directions of length 0 are none.
 static void into_cone(const bat_space *space, const double *point, const double *a, const double *b, double *v)
 {
@@ -758,26 +752,18 @@ static bool meets_rest(const spline_system *system, size_t i)
 /// Let the velocities at both ends of a gap go over to its mean velocity, the more the less they tell of the motion in it.
 static bat_status calm_gaps(spline_system *system)
 {
-    double pushed[DIM];
+    double chord[DIM];
     for (size_t i = 0; i < system->intervals; i++)
-    {
         for (size_t end = 0; end < 2 && system->calm[i] > 0; end++)
         {
             size_t key = end == 0 ? i : key_after(system, i);
-            double slope[DIM], *velocity = of_key(system, system->velocities, key);
-            const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
-            if (system->fixed[key] != KEY_FREE)
-                continue;
-            for (size_t c = 0; c < size_of(system); c++)
-                slope[c] = (a[c] - b[c]) / system->lengths[i];
-            bat_status status = spline_push(system->factor, middle_of(system, i), at_end(system, system->logs, i, end),
-                                            point_of(system, key), slope, pushed);
+            double *velocity = of_key(system, system->velocities, key);
+            bat_status status = spline_chord(system, i, end == 0 ? AT_BEGIN : AT_END, chord);
             if (status != BAT_OK)
                 return status;
-            for (size_t c = 0; c < size_of(system); c++)
-                velocity[c] += system->calm[i] * (pushed[c] - velocity[c]);
+            for (size_t c = 0; c < size_of(system) && system->fixed[key] == KEY_FREE; c++)
+                velocity[c] += system->calm[i] * (chord[c] / system->lengths[i] - velocity[c]);
         }
-    }
     return BAT_OK;
 }
 
