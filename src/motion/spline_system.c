@@ -505,13 +505,9 @@ static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool
     }
     if (kind == ROW_MEAN)
     {
-        const double *b = at_end(system, system->logs, edge, 0), *a = at_end(system, system->logs, edge, 1);
-        const double *velocity = of_key(system, system->velocities, key);
+        bat_status status = spline_chord(system, edge, here, residual);
         for (size_t c = 0; c < n; c++)
-            sum[c] = (a[c] - b[c]) / h[edge];
-        bat_status status = spline_transport(system, edge, AT_MIDDLE, here, sum, residual);
-        for (size_t c = 0; c < n; c++)
-            residual[c] -= velocity[c];
+            residual[c] = residual[c] / h[edge] - of_key(system, system->velocities, key)[c];
         return status;
     }
     if (kind == ROW_PARABOLA)
@@ -711,12 +707,7 @@ static void into_cone(const bat_space *space, const double *point, const double 
 /// Fritsch and Carlson's condition, by lengths.
 static double excess_of(const spline_system *system, size_t i)
 {
-    double chord[DIM];
-    const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
-    for (size_t c = 0; c < size_of(system); c++)
-        chord[c] = (a[c] - b[c]) / system->lengths[i];
-    const bat_space *space = &system->factor->space;
-    double mean = sqrt(fmax(space->inner(space, middle_of(system, i), chord, chord), 0));
+    double mean = spline_speed(system, i);
     double speed = hypot(norm_at(system, i, of_key(system, system->velocities, i)),
                          norm_at(system, key_after(system, i), of_key(system, system->velocities, key_after(system, i))));
     return speed <= 3 * mean ? 1 : speed / (3 * mean);
@@ -805,17 +796,13 @@ static bat_status limit(spline_system *system, bool all, bat_error *error)
 /// Keys at both ends of an interval without a way rest.
 static void find_rests(spline_system *system)
 {
-    const bat_space *space = &system->factor->space;
-    double longest = 0, chord[DIM];
+    double longest = 0;
     for (int pass = 0; pass < 2; pass++)
         for (size_t i = 0; i < system->intervals; i++)
         {
-            const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
-            for (size_t c = 0; c < size_of(system); c++)
-                chord[c] = a[c] - b[c];
-            double squared = space->inner(space, middle_of(system, i), chord, chord);
-            longest = fmax(longest, squared);
-            for (size_t end = 0; pass == 1 && squared <= REST * REST * longest && end < 2; end++)
+            double length = spline_speed(system, i) * system->lengths[i];
+            longest = fmax(longest, length);
+            for (size_t end = 0; pass == 1 && length <= REST * longest && end < 2; end++)
             {
                 unsigned char *state = &system->fixed[end == 0 ? i : key_after(system, i)];
                 *state = *state == KEY_FREE ? KEY_RESTS : *state;
@@ -850,9 +837,7 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
         // Both ends ask for the same: the geodesic, or a parabola from the end that is fixed.
         bool both = !system->fixed[0] && !system->fixed[1];
         for (size_t end = 0; end < 2 && both && status == BAT_OK; end++)
-            status = spline_push(system->factor, middle_of(system, 0), at_end(system, system->logs, 0, end),
-                                 point_of(system, end), at_end(system, system->slopes, 0, end),
-                                 of_key(system, system->velocities, end));
+            status = spline_chord(system, 0, end == 0 ? AT_BEGIN : AT_END, of_key(system, system->velocities, end));
         for (size_t c = 0; c < 2 * n && both; c++)
             system->velocities[c] /= system->lengths[0];
         if (both)
