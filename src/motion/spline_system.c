@@ -318,7 +318,7 @@ static bat_status chords_of(const spline_system *system, size_t key, double *bef
     return status;
 }
 
-/// Accelerations at the keys by second differences, as residuals; zeros at open ends.
+/// Accelerations at the keys by second differences, as residuals, and their lengths in the rows: infinite at open ends.
 static bat_status find_bends(spline_system *system, size_t *failed)
 {
     double before[DIM] = {0}, after[DIM] = {0};
@@ -332,19 +332,14 @@ static bat_status find_bends(spline_system *system, size_t *failed)
         double total = (system->lengths[interval_before(system, k)] + system->lengths[next]) / 2;
         for (size_t c = 0; c < size_of(system); c++)
             of_key(system, system->residuals, k)[c] = left && right ? (after[c] - before[c]) / total : 0;
+        system->rows[3 * k] = left && right ? norm_at(system, k, of_key(system, system->residuals, k)) : INFINITY;
     }
     return BAT_OK;
 }
 
-/// Whether a key has an acceleration of find_bends().
-static bool bends_at(const spline_system *system, size_t key)
-{
-    return is_closed(system) || (key > 0 && key < system->intervals);
-}
-
 /// The squared change of the acceleration from key to key over twice its square: near 0 for samples of a smooth motion, near
-/// 1 where accelerations are independent. They are second differences, of find_bends(). Puts into the rows of each key: the
-/// length of its acceleration, infinite where there is none, and both squares, of the way to it from the key before.
+/// 1 where accelerations are independent. They are second differences, of find_bends(). Adds to the rows of each key both
+/// squares, of the way to it from the key before.
 static bat_status measure_roughness(spline_system *system, size_t *failed)
 {
     size_t n = size_of(system);
@@ -354,10 +349,9 @@ static bat_status measure_roughness(spline_system *system, size_t *failed)
         size_t before = interval_before(system, k);
         const double *acceleration = of_key(system, system->residuals, k);
         double *row = system->rows + 3 * k;
-        row[0] = bends_at(system, k) ? norm_at(system, k, acceleration) : INFINITY;
         row[1] = row[2] = 0;
         *failed = k;
-        if (!bends_at(system, k) || !bends_at(system, before) || system->fixed[k] == KEY_GIVEN ||
+        if (!isfinite(row[0]) || !isfinite(system->rows[3 * before]) || system->fixed[k] == KEY_GIVEN ||
             system->fixed[before] == KEY_GIVEN)
             continue;
         bat_status status =
