@@ -50,7 +50,7 @@ static inline void shuffle_cloud(bat_cloud *cloud, uint64_t seed)
     bat_random random = bat_random_seed(seed);
     for (size_t i = cloud->count - 1; i > 0; i--)
     {
-        size_t j = bat_random_bits(&random) % (i + 1);
+        size_t j = (size_t)(bat_random_bits(&random) % (i + 1));
         for (size_t k = 0; k < 3; k++)
         {
             double kept = cloud->points[3 * i + k];

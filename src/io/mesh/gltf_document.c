@@ -11,9 +11,6 @@
 /// @file
 /// The JSON of a glTF file, and its buffers: the binary chunk, data URIs, or files beside it.
 
-/// The largest whole number that a double holds with all its neighbours; JSON has no larger ones.
-#define MAX_WHOLE (SIZE_MAX < UINT64_C(1) << 53 ? (uint64_t)SIZE_MAX : UINT64_C(1) << 53)
-
 bool mesh_glb_resembles(const file_text *text)
 {
     return text->size >= 4 && bytes_u32(text->data) == GLB_MAGIC;
@@ -51,9 +48,9 @@ bat_status gltf_size(const json_t *object, const char *key, gltf_place place, si
     if (member == NULL)
         return BAT_OK;
     double number = json_number_value(member);
-    if (!json_is_number(member) || !(number >= 0 && number <= (double)MAX_WHOLE) || number != floor(number))
+    if (!json_is_number(member) || !(number >= 0 && number <= 0x1p53) || number != floor(number))
         return gltf_fault(place, error, "'%s' is no whole number of 0 or more", key);
-    *value = (size_t)number;
+    *value = SIZE_CLIPPED((uint64_t)number);
     return BAT_OK;
 }
 

@@ -28,7 +28,7 @@ static bool read_corners(word_scan scan, size_t corners[4])
     {
         uint64_t corner;
         read = scan_count(&scan, (uint64_t)1 << COUNT_BITS, &corner);
-        corners[k] = read ? (size_t)corner : 0;
+        corners[k] = read ? SIZE_CLIPPED(corner) : 0;
     }
     return read && scan_line_done(&scan);
 }
@@ -66,7 +66,7 @@ cloud_remarks cloud_remarks_read(const file_text *text)
         uint64_t count;
         if (remarks.boundary == 0 && read_boundary(scan, &count))
         {
-            remarks.boundary = (size_t)count;
+            remarks.boundary = SIZE_CLIPPED(count);
             remarks.boundary_line = line.number;
         }
         remarks.has_corners = remarks.has_corners || read_corners(scan, remarks.corners);
@@ -105,7 +105,7 @@ typedef struct row_reader
     bool named;      ///< they name x, y and z
     row_layout layout;
     csv_field fields[BAT_SPACE_MAX_DIM];
-    size_t told, told_line, begun; ///< rows of a block that a line before them tells, SIZE_MAX without; rows before it
+    size_t told, told_line, begun; ///< rows of a block that a line before them tells, line 0 without; rows before it
     size_t rows, missing;          ///< rows read, and those without coordinates
     bool comma;                    ///< a number has a decimal comma
 } row_reader;
@@ -160,7 +160,7 @@ static bat_status take_names(row_reader *reader, bool *taken, bat_error *error)
 static bat_status end_block(const row_reader *reader, bat_error *error)
 {
     size_t made = reader->rows - reader->begun;
-    if (reader->told == SIZE_MAX || reader->told == made)
+    if (reader->told_line == 0 || reader->told == made)
         return BAT_OK;
     return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->told_line, "%zu points are announced, but %zu follow",
                      reader->told, made);
@@ -171,12 +171,12 @@ static bat_status take_count(row_reader *reader, bool *taken, bat_error *error)
 {
     int64_t value;
     bat_status status = BAT_OK;
-    *taken = (reader->rows == 0 || reader->told != SIZE_MAX) &&
+    *taken = (reader->rows == 0 || reader->told_line > 0) &&
              csv_read_whole(csv_trimmed(reader->line.begin, reader->line.end), EXACT_DIGITS, &value) && value >= 0;
     if (!*taken)
         return BAT_OK;
     status = end_block(reader, error);
-    reader->told = (size_t)value;
+    reader->told = SIZE_CLIPPED((uint64_t)value);
     reader->told_line = reader->line.number;
     reader->begun = reader->rows;
     next_row(reader);
@@ -317,7 +317,7 @@ static bat_status note_rows(const row_reader *reader, bat_mesh_notes *notes, bat
 bat_status cloud_rows_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
                            bat_error *error)
 {
-    row_reader reader = {.text = text, .line = text_line_start(text), .told = SIZE_MAX};
+    row_reader reader = {.text = text, .line = text_line_start(text)};
     bat_status status = read_rows(&reader, SIZE_MAX - 1, listing, error);
     return status == BAT_OK ? note_rows(&reader, options->notes, error) : status;
 }
@@ -325,7 +325,7 @@ bat_status cloud_rows_read(const file_text *text, const bat_cloud_read_options *
 size_t cloud_rows_line_of_point(const file_text *text, size_t point)
 {
     point_listing listing = {0};
-    row_reader reader = {.text = text, .line = text_line_start(text), .told = SIZE_MAX};
+    row_reader reader = {.text = text, .line = text_line_start(text)};
     (void)read_rows(&reader, point, &listing, NULL);
     free(listing.points);
     return reader.line.number;

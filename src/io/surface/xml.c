@@ -75,15 +75,16 @@ typedef struct xml_state
 static bool whole_attribute(xml_state *state, const XML_Char **attributes, const char *name, size_t max_value, size_t *value)
 {
     const char *text = xml_attribute(attributes, name);
-    size_t number = 0, digits = 0;
+    uint64_t number = 0;
+    size_t digits = 0;
     for (; text != NULL && text[digits] >= '0' && text[digits] <= '9' && number <= max_value; digits++)
-        number = 10 * number + (size_t)(text[digits] - '0');
+        number = 10 * number + (uint64_t)(text[digits] - '0');
     if (digits == 0 || text[digits] != '\0' || number > max_value)
     {
         FAIL(state, BAT_BAD_FILE, "the attribute '%s' is missing or not a whole number up to %zu", name, max_value);
         return false;
     }
-    *value = number;
+    *value = (size_t)number;
     return true;
 }
 
