@@ -1,4 +1,7 @@
-"""Check the polygons of GeoJSON files by Shapely: each is valid, and no two overlap. Usage: check-coverage.py FILE..."""
+"""Check the polygons of GeoJSON files by Shapely: each is valid, and no two overlap. Usage: check-coverage.py FILE...
+
+check-coverage.py --against GIVEN FILE prints as JSON how many features became invalid, and the area of overlaps.
+"""
 
 import json
 import sys
@@ -19,18 +22,30 @@ def overlaps(shapes):
                 yield i, k, one.intersection(shapes[k]).area
 
 
-def check(path):
+def read(path):
     with open(path, encoding="utf-8") as file:
-        features = json.load(file)["features"]
-    shapes = [shape(feature["geometry"]) for feature in features]
+        return [shape(feature["geometry"]) for feature in json.load(file)["features"]]
+
+
+def compare(given, made):
+    given, made = read(given), read(made)
+    became = sum(a.is_valid and not b.is_valid for a, b in zip(given, made, strict=True))
+    area = sum(area for _, _, area in overlaps([one if one.is_valid else one.buffer(0) for one in made]))
+    print(json.dumps({"features": len(given), "made_invalid": became, "overlap": area}))
+
+
+def check(path):
+    shapes = read(path)
     faults = [f"feature {i}: {explain_validity(one)}" for i, one in enumerate(shapes) if not one.is_valid]
     if not faults:
         faults = [f"features {i} and {k} overlap by {area} square degrees" for i, k, area in overlaps(shapes)]
     for fault in faults[:10]:
         print(f"{path}: {fault}")
-    print(f"{path}: {len(features)} features, {len(faults)} faults")
+    print(f"{path}: {len(shapes)} features, {len(faults)} faults")
     return not faults
 
 
 if __name__ == "__main__":
+    if sys.argv[1] == "--against":
+        sys.exit(compare(*sys.argv[2:]))
     sys.exit(0 if all([check(path) for path in sys.argv[1:]]) else 1)
