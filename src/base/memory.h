@@ -10,8 +10,7 @@ static inline bool size_multiply_overflows(size_t a, size_t b, size_t *product)
     return __builtin_mul_overflow(a, b, product);
 }
 
-/// A 64-bit number as a size: at most SIZE_MAX.
-#define SIZE_CLIPPED(number) ((size_t)((number) < SIZE_MAX ? (number) : SIZE_MAX))
+#define SIZE_CLIPPED(number) ((size_t)((number) < SIZE_MAX ? (number) : SIZE_MAX)) ///< a 64-bit number as a size
 
 /// An uninitialized array of `count` elements of `size` bytes, aligned to 64 bytes but on Windows; release it with free().
 /// Null when out of memory, when the size overflows; never null for a count of 0.

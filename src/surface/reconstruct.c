@@ -516,8 +516,7 @@ bat_status reconstruction_store(reconstruction *work, bat_error *error)
         local_plane_fit_all(best->surface.control, bat_hierarchical_space_functions(best->surface.space), &plane, error);
     if (status != BAT_OK)
         return status;
-    // The least variance has a rounding error of about 1e-16 of the largest.
-    result->is_plane = plane.variance[2] <= fmax(result->noise * result->noise, 1e-15 * plane.variance[0]);
+    result->is_plane = plane.variance[2] <= fmax(result->noise * result->noise, 1e-15 * plane.variance[0]); // or rounding
     result->surface = best->surface;
     result->report = best->fit;
     result->parameters = best->corrected;
