@@ -248,9 +248,7 @@ static bat_status plan_piece(pieces *all, piece *part, void *context BAT_UNUSED,
     bat_curve curve = curve_of(all, part);
     bat_curve_refine_options options = all->plan.options;
     options.threads = all->threads;
-    bat_status status = refine_plan_make(&curve, &options, &part->plan, error);
-    part->plan.bound = all->plan.bound;
-    return status;
+    return refine_plan_make(&curve, &options, &part->plan, error);
 }
 
 /// Count the rows of the pieces, one after the other; a corner that two share counts once.
@@ -333,8 +331,6 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
         return error_memory(error, coarse->count);
     memset(all->levels, (int)whole.levels, all->edges);
     status = corners_find(coarse, &all->plan.options, all->corners, &all->corner_count, error);
-    if (status == BAT_OK && scheme_decided_levels(scheme) > 0 && all->plan.options.first_level == 0)
-        status = simplified_bound_find(coarse, &all->plan.bound, error);
     if (status == BAT_OK)
         status = cut(all, coarse, error);
     if (status == BAT_OK)

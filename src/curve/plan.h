@@ -2,7 +2,6 @@
 
 #include "batten/curve_scheme.h"
 #include "curve/kernel.h"
-#include "curve/simplified.h"
 
 /// @file
 /// Several levels of one kernel at once. Any run of points of the last level depends on a short run of each level before,
@@ -46,11 +45,10 @@ bat_status cascade_run(const cascade *task, const double *root, double *fine, ba
 typedef struct refine_plan
 {
     bat_curve_refine_options options;
-    bat_mask_stencil snap;  ///< count 0 when points stay where they are
-    index_range points;     ///< the indices of the last level that make the refined curve
-    bool ends_added;        ///< the coarse end points are put around them
-    size_t count;           ///< rows of the refined curve
-    simplified_bound bound; ///< for a rule that decides the first levels
+    bat_mask_stencil snap; ///< count 0 when points stay where they are
+    index_range points;    ///< the indices of the last level that make the refined curve
+    bool ends_added;       ///< the coarse end points are put around them
+    size_t count;          ///< rows of the refined curve
 } refine_plan;
 
 /// Check a curve and the options (null for the defaults), choose the scheme where they leave it open, lay out the result.

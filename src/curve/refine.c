@@ -213,7 +213,6 @@ static bat_status refine_once(const refine_input *from, size_t level, const refi
 static bat_status refine_whole_levels(refine_input *from, size_t whole, size_t levels, const refine_plan *plan,
                                       bat_progress progress, double *fine, double **owned, bat_error *error)
 {
-    const refine_input coarse = *from;
     bat_status status = BAT_OK;
     *owned = NULL;
     for (size_t level = 0; level < whole && status == BAT_OK; level++)
@@ -227,9 +226,6 @@ static bat_status refine_whole_levels(refine_input *from, size_t whole, size_t l
         free(*owned);
         *owned = last ? NULL : next;
         *from = (refine_input){from->space, next, count, from->closed, from->levels - 1, level + 1};
-        if (level + 1 == whole && status == BAT_OK)
-            status = simplified_straighten(&plan->bound, coarse.space, coarse.rows, coarse.count, coarse.closed, whole, next,
-                                           error);
     }
     if (status != BAT_OK)
     {

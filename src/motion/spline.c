@@ -74,7 +74,8 @@ const bat_family bat_motion_ends_family = FAMILY("kind of ends", ENDS);
 
 static const bat_choice SHAPES[] = {
     CHOICE_OF_USE(UNNAMED, "auto", "rests are kept", BAT_MOTION_SHAPE_AUTO),
-    CHOICE("resting", "continuous acceleration, except at rests, gaps and jumps, beside which nothing overshoots", BAT_MOTION_SHAPE_RESTING),
+    CHOICE("resting", "continuous acceleration, except at rests, gaps and jumps, beside which nothing overshoots",
+           BAT_MOTION_SHAPE_RESTING),
     CHOICE("smooth", "continuous acceleration everywhere", BAT_MOTION_SHAPE_SMOOTH),
     CHOICE("limited", "monotone between neighbours (Fritsch and Carlson)", BAT_MOTION_SHAPE_LIMITED),
 };

@@ -13,6 +13,9 @@ static const double MIN_ANGLE = 0.008726646259971648;
 /// Bounds of what tells a rough line that was simplified, and the most that an angle loses there: the share of neighbours
 /// that turn the same way, the deviation of the logarithms of lengths, how far the least deviation lies below the mean.
 static const double ROUGH[2] = {0.6, 0.8}, UNEVEN[2] = {0.06, 0.25}, SIMPLIFIED[2] = {1.1, 1.7}, LOSS = 0.6;
+/// What makes an edge of a simplified line straight: how much longer than the mean it is, as a logarithm, and that it would
+/// bend by so many least deviations.
+static const double LONGER = 0.22, FARTHER = 1.5, LOW = 0.9;
 /// Vertices with smaller angles count as nearly straight.
 static const double NEARLY_STRAIGHT = 0.1;
 
@@ -177,34 +180,37 @@ static double ramp(double x, double low, double high)
     return fmin(fmax((x - low) / (high - low), 0), 1);
 }
 
-double learned_rough_loss(const double *angles, const learned_logs *logs)
+double learned_braked(const double *angles, const learned_logs *logs, double wanted, double angle)
 {
     moments deviations = moments_make(), areas = moments_make(), sizes = moments_make();
-    double lengths[2 * W + 1], same = 0, pairs = 0;
-    for (int i = 1 - W; i < W; i++)
-    {
-        bool turned = fmin(fabs(angles[i]), fabs(angles[i + 1])) > MIN_ANGLE;
-        same += turned && angles[i] * angles[i + 1] > 0;
-        pairs += turned;
-    }
-    double rough = 1 - ramp(same / fmax(pairs, 1), ROUGH[0], ROUGH[1]);
-    if (!(rough > 0))
-        return 0;
+    double lengths[2 * W + 1], found[2 * W], same = 0, pairs = 0;
+    size_t count = 0, low = 0;
     find_sizes(logs, W, lengths + W);
     for (int i = 0; i <= 2 * W; i++)
         moments_add(&sizes, lengths[i]);
     for (int i = 1 - W; i <= W; i++)
-        if (fabs(angles[i]) > MIN_ANGLE)
-        {
-            double area = lengths[W + i - 1] + lengths[W + i] + logs[i].turn;
-            moments_add(&deviations, area - lengths[W + i] - logs[i].span);
-            moments_add(&areas, area);
-        }
-    if (deviations.count < FEWEST)
+    {
+        if (!(fabs(angles[i]) > MIN_ANGLE))
+            continue;
+        double area = lengths[W + i - 1] + lengths[W + i] + logs[i].turn;
+        found[count++] = area - lengths[W + i] - logs[i].span;
+        moments_add(&deviations, found[count - 1]);
+        moments_add(&areas, area);
+        bool paired = i < W && fabs(angles[i + 1]) > MIN_ANGLE;
+        same += paired && angles[i] * angles[i + 1] > 0;
+        pairs += paired;
+    }
+    if (count < FEWEST)
+        return angle;
+    for (size_t i = 0; i < count; i++)
+        low += found[i] <= deviations.least + LOW;
+    double below = mean_of(&deviations) - deviations.least, below_area = mean_of(&areas) - areas.least;
+    bool is_long = mean_of(&sizes) < -LONGER; // in units of the edge's own length
+    if (is_long && 2 * low >= count && 0.5 * fabs(tan(angle)) > FARTHER * exp(deviations.least))
         return 0;
-    double least = fmin(mean_of(&deviations) - deviations.least, mean_of(&areas) - areas.least);
-    return LOSS * rough * ramp(sqrt(variance_of(&sizes)), UNEVEN[0], UNEVEN[1]) *
-           (1 - ramp(least, SIMPLIFIED[0], SIMPLIFIED[1]));
+    double rough = 1 - ramp(same / fmax(pairs, 1), ROUGH[0], ROUGH[1]);
+    return angle * (1 - LOSS * wanted * rough * ramp(sqrt(variance_of(&sizes)), UNEVEN[0], UNEVEN[1]) *
+                            (1 - ramp(fmin(below, below_area), SIMPLIFIED[0], SIMPLIFIED[1])));
 }
 
 double learned_angle(learned_edge edge, double correction, double gate)

@@ -97,10 +97,14 @@ typedef struct learned_logs
 /// @param logs           receives count + 2 LEARNED_RANGE - 1 entries, the first of vertex 1 - LEARNED_RANGE
 void learned_logs_of(const double *angles, const double *lengths, size_t count, bool statistics, learned_logs *logs);
 
-/// The share that an angle of level 0 loses by the shipped weights. Rough lines that were simplified bend less between their
-/// points than the network expects: neighbouring vertices turn to either side, edges differ, and the least deviation or area
-/// is not far below the mean.
-double learned_rough_loss(const double *angles, const learned_logs *logs);
+/// The brake: what is left of an angle of level 0 in a simplified line, whose least deviation is not far below the mean.
+///
+/// The simplification of Douglas and Peucker leaves out what is nearer to an edge than a tolerance, and hardly a vertex is
+/// nearer to the line between its neighbours. So a long edge that would bend by more than the least deviation is straight.
+/// In rough lines, where neighbours turn to either side and edges differ, the curve bends less than the network expects.
+/// The bounds were chosen with the curves of `reproduce real-curves` and random lines in view.
+/// @param wanted share of the loss of rough lines
+double learned_braked(const double *angles, const learned_logs *logs, double wanted, double angle);
 
 /// The insertion angle of an edge, within the edge's limit.
 /// @param correction,gate the outputs of the network

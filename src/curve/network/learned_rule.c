@@ -111,7 +111,7 @@ static double product(const real *weights, const real *row)
 static void learned_inference_angles(const real *weights, size_t count, const double *angles, const double *lengths,
                                      learned_setting begin, bool brakes, double *chosen, learned_scratch *scratch)
 {
-    // At fairness 1 nothing is lost.
+    // At fairness 1 rough lines lose nothing.
     const double parity = begin.parity, wanted = fmin((1 - begin.fairness) / 0.75, 1);
     for (size_t done = 0; done < count; done += LEARNED_ROWS)
     {
@@ -136,7 +136,7 @@ static void learned_inference_angles(const real *weights, size_t count, const do
             double gate = product(weights + OUTPUT_AT + C, kept + r * C);
             double angle = learned_angle(scratch->edges[r], correction, gate);
             if (brakes && begin.level == 0)
-                angle *= 1 - wanted * learned_rough_loss(angles + done + r, scratch->logs + LEARNED_RANGE - 1 + r);
+                angle = learned_braked(angles + done + r, scratch->logs + LEARNED_RANGE - 1 + r, wanted, angle);
             chosen[done + r] = isnan(angle) ? scratch->edges[r].base : angle;
         }
     }
