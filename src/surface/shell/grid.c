@@ -256,7 +256,7 @@ static bool is_extraordinary(const shell_grid *grid, uint32_t half_edge, shell_r
     uint32_t vertex = grid->quads[half_edge];
     if (grid->kinds[vertex] != SHELL_SMOOTH || !ring_at(grid, vertex, ring) || ring->count == 4)
         return false;
-    for (*place = 0; ring->spokes[*place] != half_edge;)
+    for (*place = 0; *place + 1 < ring->count && ring->spokes[*place] != half_edge;)
         ++*place;
     return true;
 }
