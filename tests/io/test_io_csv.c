@@ -284,6 +284,23 @@ static void too_many_columns_are_refused(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Four coordinates by their places beside a text are refused without a space; so what is written names it.
+static void guessed_coordinates_keep_their_space(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("# space: euclidean\na,0,1,2,3\nb,4,5,6,8\n", CSV, NULL), back;
+    char *text = NULL;
+    size_t size;
+    assert_int_equal(set.curves[0].space->point_dim, 4);
+    assert_int_equal(bat_curve_write_memory(&set, NULL, &text, &size, NULL), BAT_OK);
+    back = must_read(text, CSV, NULL);
+    assert_int_equal(back.curves[0].space->point_dim, 4);
+    assert_memory_equal(back.curves[0].points, set.curves[0].points, 8 * sizeof(double));
+    free(text);
+    bat_curve_set_free(&back);
+    bat_curve_set_free(&set);
+}
+
 static void what_cannot_be_written_is_refused(void **state)
 {
     (void)state;
@@ -326,6 +343,7 @@ int main(void)
                                        cmocka_unit_test(a_column_of_corners_survives),
                                        cmocka_unit_test(bad_files_name_their_line),
                                        cmocka_unit_test(too_many_columns_are_refused),
+                                       cmocka_unit_test(guessed_coordinates_keep_their_space),
                                        cmocka_unit_test(what_cannot_be_written_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
