@@ -10,7 +10,11 @@ static inline bool size_multiply_overflows(size_t a, size_t b, size_t *product)
     return __builtin_mul_overflow(a, b, product);
 }
 
-#define SIZE_CLIPPED(number) ((size_t)((number) < SIZE_MAX ? (number) : SIZE_MAX)) ///< a 64-bit number as a size
+/// A 64-bit number as a size.
+static inline size_t size_clipped(uint64_t number)
+{
+    return (size_t)(number < SIZE_MAX ? number : SIZE_MAX);
+}
 
 /// An uninitialized array of `count` elements of `size` bytes, aligned to 64 bytes but on Windows; release it with free().
 /// Null when out of memory, when the size overflows; never null for a count of 0.

@@ -50,7 +50,7 @@ bat_status gltf_size(const json_t *object, const char *key, gltf_place place, si
     double number = json_number_value(member);
     if (!json_is_number(member) || !(number >= 0 && number <= 0x1p53) || number != floor(number))
         return gltf_fault(place, error, "'%s' is no whole number of 0 or more", key);
-    *value = SIZE_CLIPPED((uint64_t)number);
+    *value = size_clipped((uint64_t)number);
     return BAT_OK;
 }
 

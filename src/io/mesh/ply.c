@@ -87,7 +87,7 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
         if (header->elements[i].name.size == element.name.size &&
             memcmp(header->elements[i].name.begin, element.name.begin, element.name.size) == 0)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the element's name is used already");
-    element.count = SIZE_CLIPPED(count);
+    element.count = size_clipped(count);
     return ARRAY_ADD(header->elements, header->element_capacity, header->element_count, element)
                ? BAT_OK
                : error_memory(error, header->element_count * sizeof element);

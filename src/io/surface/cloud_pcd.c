@@ -100,7 +100,7 @@ static bat_status read_size(word_scan *scan, size_t *size, bat_error *error)
     uint64_t value;
     if (!scan_count(scan, (uint64_t)1 << COUNT_BITS, &value))
         return scan_number_fault(scan, BAT_NO_INDEX, "a whole number", error);
-    *size = SIZE_CLIPPED(value);
+    *size = size_clipped(value);
     return BAT_OK;
 }
 

@@ -28,7 +28,7 @@ static bool read_corners(word_scan scan, size_t corners[4])
     {
         uint64_t corner;
         read = scan_count(&scan, (uint64_t)1 << COUNT_BITS, &corner);
-        corners[k] = read ? SIZE_CLIPPED(corner) : 0;
+        corners[k] = read ? size_clipped(corner) : 0;
     }
     return read && scan_line_done(&scan);
 }
@@ -66,7 +66,7 @@ cloud_remarks cloud_remarks_read(const file_text *text)
         uint64_t count;
         if (remarks.boundary == 0 && read_boundary(scan, &count))
         {
-            remarks.boundary = SIZE_CLIPPED(count);
+            remarks.boundary = size_clipped(count);
             remarks.boundary_line = line.number;
         }
         remarks.has_corners = remarks.has_corners || read_corners(scan, remarks.corners);
@@ -176,7 +176,7 @@ static bat_status take_count(row_reader *reader, bool *taken, bat_error *error)
     if (!*taken)
         return BAT_OK;
     status = end_block(reader, error);
-    reader->told = SIZE_CLIPPED((uint64_t)value);
+    reader->told = size_clipped((uint64_t)value);
     reader->told_line = reader->line.number;
     reader->begun = reader->rows;
     next_row(reader);
