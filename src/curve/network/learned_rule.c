@@ -148,8 +148,8 @@ const char *learned_rule_fault(const bat_curve_angle_rule *rule BAT_UNUSED, cons
     return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
 }
 
-static void rule_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
-                        void *scratch)
+static void angles_of(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, bool brakes, double *chosen,
+                      void *scratch)
 {
     const real *weights = rule->parameters != NULL ? rule->parameters : weights_learned.arrays[0].values;
     int curvature = 0;
@@ -161,8 +161,13 @@ static void rule_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_
                              .parity = view->level == 0 ? 0
                                        : even           ? 1
                                                         : -1};
-    learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, rule->angles == rule_angles, chosen,
-                             scratch);
+    learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, brakes, chosen, scratch);
+}
+
+static void rule_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
+                        void *scratch)
+{
+    angles_of(rule, view, true, chosen, scratch);
 }
 
 /// The rule of the weights in its `parameters`, or of the shipped ones.
@@ -179,7 +184,7 @@ static const bat_curve_angle_rule RULE = {
 static void network_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
                            void *scratch)
 {
-    rule_angles(rule, view, chosen, scratch);
+    angles_of(rule, view, false, chosen, scratch);
 }
 
 bat_curve_angle_rule learned_rule(const real *weights)
