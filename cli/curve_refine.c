@@ -572,8 +572,7 @@ static json_t *report_held(const curve_job *job, bool as_json)
 {
     return report_part(as_json,
                        "held: {held} step[!one?s] between near keys, or in a jump, said nothing of the velocity, which is "
-                       "that of the motion "
-                       "around; --tangents smooth goes through it as it is\n",
+                       "that of the motion around; --tangents smooth goes through it as it is\n",
                        "held:z -one:b", job->findings.moved.held, (int)(job->findings.moved.held == 1));
 }
 

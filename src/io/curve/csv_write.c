@@ -162,9 +162,8 @@ static const char *implied_space(const csv_layout *layout)
     if (point_form_incomplete(NULL, &names, fault, sizeof fault))
         return ""; // they are refused without the space
     csv_columns_choose(layout->columns, NULL, false, &choice);
-    return csv_is_guess(layout->columns, layout->columns->count, &choice, false)
-               ? ""
-               : choice.space; // a guess is refused without the space
+    bool refused = csv_is_guess(layout->columns, layout->columns->count, &choice, false);
+    return refused ? "" : choice.space;
 }
 
 static void write_directives(const csv_layout *layout, const bat_curve_set *set, text_buffer *text)
