@@ -298,12 +298,6 @@ static bat_status smoother_begin(smoother *s, const spline_factor *f, size_t cou
 /// An interval is a jolt if it is this many times shorter than both neighbours, and as many times faster or slower.
 static const double SHORTER = 4, RATIO = 4;
 
-static size_t interval_beside(const spline_system *system, size_t interval, int side)
-{
-    size_t n = system->intervals;
-    return side < 0 ? (interval > 0 ? interval - 1 : n - 1) : (interval + 1 < n ? interval + 1 : 0);
-}
-
 double spline_speed(const spline_system *system, size_t interval)
 {
     const bat_space *space = &system->factor->space;
@@ -321,7 +315,7 @@ static bool is_jolt(const spline_system *system, size_t interval)
     bool closed = system->intervals == system->count;
     if (!closed && (interval == 0 || interval + 1 == system->intervals))
         return false;
-    size_t before = interval_beside(system, interval, -1), after = interval_beside(system, interval, 1);
+    size_t before = spline_interval_beside(system, interval, -1), after = spline_interval_beside(system, interval, 1);
     const double *h = system->lengths;
     if (before == after || SHORTER * h[interval] > fmin(h[before], h[after]))
         return false;
@@ -333,7 +327,7 @@ static bool is_jolt(const spline_system *system, size_t interval)
 static bat_status set_velocities(spline_system *system, size_t interval)
 {
     size_t n = system->factor->space.tangent_dim, first = interval, second = (interval + 1) % system->count;
-    size_t before = interval_beside(system, interval, -1), after = interval_beside(system, interval, 1);
+    size_t before = spline_interval_beside(system, interval, -1), after = spline_interval_beside(system, interval, 1);
     double h = system->lengths[before], next = system->lengths[after], back[DIM], forth[DIM], moved[DIM];
     bat_status status = spline_chord(system, before, AT_END, back);
     if (status == BAT_OK)

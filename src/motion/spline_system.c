@@ -282,11 +282,6 @@ static bool is_closed(const spline_system *system)
     return system->intervals == system->count;
 }
 
-static size_t interval_before(const spline_system *system, size_t key)
-{
-    return key > 0 ? key - 1 : system->intervals - 1;
-}
-
 bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord)
 {
     const bat_space *space = &system->factor->space;
@@ -304,7 +299,7 @@ bat_status spline_chord(const spline_system *system, size_t interval, spline_pla
 static bat_status chords_of(const spline_system *system, size_t key, double *before, double *after, bool *has_before,
                             bool *has_after)
 {
-    size_t interval = interval_before(system, key);
+    size_t interval = spline_interval_beside(system, key, -1);
     *has_before = key > 0 || is_closed(system);
     *has_after = key < system->intervals;
     bat_status status = *has_before ? spline_chord(system, interval, AT_END, before) : BAT_OK;
@@ -329,7 +324,7 @@ static bat_status find_bends(spline_system *system, size_t *failed)
         if (status != BAT_OK)
             return status;
         size_t k = *failed, next = right ? k : 0;
-        double total = (system->lengths[interval_before(system, k)] + system->lengths[next]) / 2;
+        double total = (system->lengths[spline_interval_beside(system, k, -1)] + system->lengths[next]) / 2;
         for (size_t c = 0; c < size_of(system); c++)
             of_key(system, system->residuals, k)[c] = left && right ? (after[c] - before[c]) / total : 0;
         system->rows[3 * k] = left && right ? norm_at(system, k, of_key(system, system->residuals, k)) : INFINITY;
@@ -346,7 +341,7 @@ static bat_status measure_roughness(spline_system *system, size_t *failed)
     double last[DIM], change = 0, squared = 0;
     for (size_t k = 0; k < system->count; k++)
     {
-        size_t before = interval_before(system, k);
+        size_t before = spline_interval_beside(system, k, -1);
         const double *acceleration = of_key(system, system->residuals, k);
         double *row = system->rows + 3 * k;
         row[1] = row[2] = 0;
@@ -373,7 +368,8 @@ static bat_status measure_roughness(spline_system *system, size_t *failed)
 static double gap_of(const spline_system *system, size_t i)
 {
     bool closed = is_closed(system);
-    size_t n = system->intervals, before = i > 0 ? i - 1 : n - 1, after = i + 1 < n ? i + 1 : 0;
+    size_t n = system->intervals, before = spline_interval_beside(system, i, -1),
+           after = spline_interval_beside(system, i, 1);
     double beside = fmax(i > 0 || closed ? system->lengths[before] : 0, i + 1 < n || closed ? system->lengths[after] : 0);
     return n > 2 ? system->lengths[i] / beside : 1;
 }
@@ -471,7 +467,7 @@ static void fill_rows(spline_system *system, bat_motion_ends ends)
         }
         else
         {
-            size_t beside = interval_before(system, k);
+            size_t beside = spline_interval_beside(system, k, -1);
             double before = system->weights[beside] / h[beside], after = system->weights[k] / h[k];
             row[0] = first ? 0 : 2 * before;
             row[1] = 4 * (before + after);
@@ -548,7 +544,7 @@ static bat_status fill_residuals(spline_system *system, bat_motion_ends ends, si
             status = end_residual(system, ends, k == 0, residual);
         else
         {
-            size_t beside = interval_before(system, k);
+            size_t beside = spline_interval_beside(system, k, -1);
             const double *before = at_end(system, system->accelerations, beside, 1);
             const double *after = at_end(system, system->accelerations, k, 0);
             for (size_t c = 0; c < n; c++)

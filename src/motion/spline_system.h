@@ -178,6 +178,13 @@ bat_status spline_transport(const spline_system *system, size_t interval, spline
 /// The whole way of an interval at one of its ends, as the velocity of its geodesic that takes a unit of time.
 bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord);
 
+/// The interval before (side -1) or after (side 1) an interval, round the end of a motion; before a key, that of its index.
+static inline size_t spline_interval_beside(const spline_system *system, size_t interval, int side)
+{
+    size_t n = system->intervals;
+    return side < 0 ? (interval > 0 ? interval - 1 : n - 1) : (interval + 1 < n ? interval + 1 : 0);
+}
+
 /// The mean speed of an interval.
 double spline_speed(const spline_system *system, size_t interval);
 
