@@ -77,10 +77,11 @@ export function divider(stage, change) {
     /** Move from the right to the middle, where the reader allows motion. */
     sweep() {
       if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
-      const start = performance.now();
+      let start = null; // of the first frame, which a large mesh delays
       let last = input.value;
       const step = (now) => {
         if (input.value !== last) return; // the reader took it
+        start ??= now;
         const rest = Math.max(0, 1 - (now - start) / SWEEP);
         set(Math.round(50 + 45 * rest ** 2));
         last = input.value;

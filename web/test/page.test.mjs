@@ -74,10 +74,10 @@ const tab = async (name) => {
   );
 };
 const inspect = (expression) => page.evaluate(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`);
-/** Wait until an expression of the current tab's state holds. */
+/** Wait until an expression of the current tab's state holds; it may throw as long as a part of it is missing. */
 const until = (expression) =>
   page
-    .waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`, WAIT)
+    .waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); try { return ${expression}; } catch { return false; } })()`, WAIT)
     .catch(async (error) => assert.fail(`${expression} did not hold: ${error.message}; ${await inspect("JSON.stringify({ ...state, points: undefined })")} ${await alertText()}`));
 /** The share of blocks in which two pictures, PNG in base64, differ visibly; 1 for pictures of two sizes. */
 const difference = (a, b) =>
@@ -158,9 +158,18 @@ test("a bare address shows a mesh under a slider, which moves by itself where mo
   const share = () => page.$eval("#mesh .divide", (slider) => Number(slider.value));
   assert.equal(await share(), 50);
   await page.emulateMediaFeatures([{ name: STILL.name, value: "no-preference" }]);
+  const { identifier } = await page.evaluateOnNewDocument(() => {
+    window.widest = 0;
+    const watch = () => {
+      window.widest = Math.max(window.widest, Number(document.querySelector("#mesh .divide")?.value ?? 0));
+      requestAnimationFrame(watch);
+    };
+    requestAnimationFrame(watch);
+  });
   await open("");
-  await page.waitForFunction(() => Number(document.querySelector("#mesh .divide").value) > 60, WAIT);
+  await page.waitForFunction("window.widest > 60", WAIT);
   await page.waitForFunction(() => Number(document.querySelector("#mesh .divide").value) === 50, WAIT);
+  await page.removeScriptToEvaluateOnNewDocument(identifier);
   await page.emulateMediaFeatures([STILL]);
   await open();
 });
