@@ -109,8 +109,8 @@ typedef struct bat_curve_refine_options
     /// Radians, 0 to pi: a vertex is a corner where the exterior angle, that between -log(before) and log(after), is
     /// greater. 0: only vertices with a flag in bat_curve::corners are. Default 0.
     double corner_angle;
-    /// Find corners, for schemes that keep them: right angles, where the curve has so many that they are meant, and ends of
-    /// straight runs. docs/algorithms/curve-schemes.md tells the rule. Default false.
+    /// Find corners, for schemes that keep them: right angles, where the curve has so many that they are meant, ends of
+    /// straight runs, turns of simplified lines. docs/algorithms/curve-schemes.md tells the rules. Default false.
     bool find_corners;
     bool strict; ///< refuse curves that cross themselves and given edges of maps that meet, if `simple` tests; default false
     /// A stop, in the unit of the space's distance: each edge gets the smallest number of levels for which none of its

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/pieces.h"
 #include "curve/scheme_kind.h"
 
 #include <math.h>
@@ -35,6 +36,13 @@ static const size_t RUN_VERTICES = 2; ///< inside of a run: it has three edges o
 /// The most that a vertex inside of a run turns, in degrees: what rounding makes of a straight line.
 static const double RUN_TURN = 0.5;
 
+// Simplified lines
+
+/// A simplified line strays from what it was by a tolerance e at most, and its vertices deviate by e at least: MIN_NEAR of
+/// them by NEAR e at most. Edges of arcs have the length 8 e over their turn, so longer ones are straight.
+static const double NEAR = 4, MIN_NEAR = 0.4, MAX_ARC = 24;
+static const size_t MIN_VERTICES = 6; ///< that tell whether a line was simplified
+
 /// An edge's direction modulo a right angle.
 typedef struct edge_direction
 {
@@ -51,6 +59,7 @@ typedef struct corner_search
     double *lengths; ///< of the edges
     edge_direction *directions;
     unsigned char *aligned; ///< edges at right angles to each other
+    double median;          ///< length of the edges
     memory_pool pool;       ///< of all arrays
 } corner_search;
 
@@ -200,6 +209,38 @@ static bool ends_run(const corner_search *search, size_t i)
     return false;
 }
 
+/// How far a vertex lies from the chord between its neighbours.
+static double deviation_at(const corner_search *search, size_t i)
+{
+    double before = search->lengths[edge_at(search, i, -1)], after = search->lengths[i];
+    return 2 / (1 / before + 1 / after) * sin(fabs(search->turns[i]) / 2);
+}
+
+/// Whether a vertex turns between edges that are too long for arcs of a line of that tolerance.
+static bool ends_long_edges(const corner_search *search, size_t i, double tolerance)
+{
+    double shorter = fmin(search->lengths[edge_at(search, i, -1)], search->lengths[i]), turn = fabs(search->turns[i]);
+    return turn > MIN_CORNER * DEGREE && shorter > search->median && shorter * turn > MAX_ARC * tolerance;
+}
+
+/// Flag the vertices of a simplified line between long edges. One alone is none.
+static void flag_simplified(const corner_search *search, unsigned char *flags)
+{
+    size_t n = search->count, first = search->curve->closed ? 0 : 1, end = search->curve->closed ? n : n - 1;
+    size_t near = 0, found = 0;
+    double least = INFINITY;
+    for (size_t i = first; i < end; i++)
+        least = fmin(least, deviation_at(search, i));
+    for (size_t i = first; i < end; i++)
+    {
+        near += deviation_at(search, i) <= NEAR * least;
+        found += ends_long_edges(search, i, least);
+    }
+    bool simplified = least > 0 && end >= first + MIN_VERTICES && (double)near >= MIN_NEAR * (double)(end - first);
+    for (size_t i = first; i < end && simplified && found > 1; i++)
+        flags[i] |= ends_long_edges(search, i, least);
+}
+
 static void flag_found(corner_search *search, unsigned char *flags)
 {
     size_t n = search->count;
@@ -211,9 +252,10 @@ static void flag_found(corner_search *search, unsigned char *flags)
         if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && ends_run(search, i)))
             flags[i] = 1;
     }
+    bat_curve_edge_lengths(search->curve, search->lengths);
+    flag_simplified(search, flags);
     if (search->curve->space->exterior_angle == NULL)
         return;
-    bat_curve_edge_lengths(search->curve, search->lengths);
     find_directions(search);
     for (size_t w = 0; w < sizeof WIDTHS / sizeof *WIDTHS; w++)
     {
@@ -236,6 +278,8 @@ bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *
     bat_status status = memory_pool_check(&search.pool, error);
     if (status == BAT_OK && turned)
         status = find_turns(curve, search.turns, error);
+    if (status == BAT_OK && searched)
+        status = curves_median_edge(curve, 1, &search.median, error);
     for (size_t i = 0; i < n; i++)
         flags[i] = (curve->corners != NULL && curve->corners[i] != 0) ||
                    (status == BAT_OK && options->corner_angle > 0 && search.turns != NULL &&

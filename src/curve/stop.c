@@ -59,8 +59,7 @@ bat_status stop_check(const bat_curve_refine_options *options, bat_error *error)
                : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "max_edge and tolerance do not go with %s", fault);
 }
 
-/// The median length of the edges of curves; 0 without edges.
-static bat_status median_edge(const bat_curve *curves, size_t count, double *median, bat_error *error)
+bat_status curves_median_edge(const bat_curve *curves, size_t count, double *median, bat_error *error)
 {
     size_t total = 0, edges = 0;
     for (size_t i = 0; i < count; i++)
@@ -88,7 +87,7 @@ bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_
     options->relative_tolerance = 0;
     if (count == 0 || stop_check(options, NULL) != BAT_OK)
         return BAT_OK;
-    bat_status status = median_edge(curves, count, &median, error);
+    bat_status status = curves_median_edge(curves, count, &median, error);
     if (status != BAT_OK || !(median > 0))
         return status;
     options->relative_tolerance = share;

@@ -542,6 +542,28 @@ static void straight_runs_end_in_corners(void **state)
     assert_int_equal(corners_found(back, 5, false, "learned"), 1);
 }
 
+static void simplified_lines_have_corners(void **state)
+{
+    (void)state;
+    // An arc of edges that turn by 10 degrees, and three straight edges, as simplification leaves them.
+    static const double LENGTHS[] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 2, 2, 2}, TURNS[] = {0, 10, 10, 10, 10, 10, 10, 60, -50};
+    double points[2 * 11] = {0}, direction = 0.3;
+    for (int i = 0; i < 9; i++)
+    {
+        direction += TURNS[i] * PI / 180;
+        points[2 * i + 2] = points[2 * i] + LENGTHS[i] * cos(direction);
+        points[2 * i + 3] = points[2 * i + 1] + LENGTHS[i] * sin(direction);
+    }
+    assert_int_equal(corners_found(points, 10, false, "learned"), 2);
+    // A point within the last edge: no simplification leaves it.
+    for (int c = 0; c < 2; c++)
+    {
+        points[20 + c] = points[18 + c];
+        points[18 + c] = (points[16 + c] + points[20 + c]) / 2;
+    }
+    assert_int_equal(corners_found(points, 11, false, "learned"), 0);
+}
+
 static void schemes_that_move_corners_have_none(void **state)
 {
     (void)state;
@@ -567,6 +589,7 @@ int main(void)
         cmocka_unit_test(right_angles_are_found),
         cmocka_unit_test(round_curves_have_no_corners),
         cmocka_unit_test(straight_runs_end_in_corners),
+        cmocka_unit_test(simplified_lines_have_corners),
         cmocka_unit_test(schemes_that_move_corners_have_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
+#include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "space/builtin.h"
 
@@ -350,18 +351,6 @@ static bool is_tip(const bat_curve *curve, size_t before, size_t tip, size_t aft
            curve->space->distance(curve->space, curve->points + before * dim, curve->points + tip * dim) <= limit;
 }
 
-/// The median edge of a ring. NaN without memory.
-static double median_edge(const bat_curve *ring)
-{
-    double *lengths = memory_array(ring->count, sizeof *lengths);
-    if (lengths == NULL)
-        return NAN;
-    bat_curve_edge_lengths(ring, lengths);
-    double median = sort_median(lengths, ring->count);
-    free(lengths);
-    return median;
-}
-
 /// Drop the spikes of a ring: edges that lead there and back, which rounding had kept apart. Those longer than `limit` stay.
 static void drop_spikes(bat_curve *curve, size_t *origins, double limit)
 {
@@ -431,10 +420,11 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
     copy->count = row;
     if (!curve->closed || row == curve->count)
         return BAT_OK;
-    double limit = median_edge(curve) / 2;
-    if (isnan(limit))
-        return error_memory(error, curve->count * sizeof(double));
-    drop_spikes(copy, *origins, limit);
+    double median = 0;
+    status = curves_median_edge(curve, 1, &median, error);
+    if (status != BAT_OK)
+        return status;
+    drop_spikes(copy, *origins, median / 2);
     job->result->spikes += row - copy->count;
     return BAT_OK;
 }
