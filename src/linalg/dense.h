@@ -12,7 +12,7 @@ bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const
                              bat_error *error);
 
 /// The x of least |a x - b|, where a is rows x columns of full rank with rows >= columns. Destroys `a`.
-/// @param b `rows` numbers; receives x as its first `columns` numbers
+/// @param b `rows` numbers; receives x as its first `columns` numbers, and the residual in other axes as the last ones
 bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error);
 
 /// Solve a x = b by elimination with row exchanges; BAT_NO_CONVERGENCE also for a singular matrix. Destroys `a`.

@@ -269,7 +269,8 @@ static void normals_lead_into_narrow_gaps(void **state)
     nearest_tree tree = {0};
     oriented_planes planes = {0};
     neighbour_list near = {0};
-    bool outward;
+    memory_pool pool = {0};
+    shell_outside outside = {0};
     size_t wrong = 0;
     check_status(neighbours_build(points.points, points.count, &tree, NULL), BAT_OK);
     check_status(oriented_planes_make(&cloud, &tree, &planes, NULL), BAT_OK);
@@ -279,18 +280,59 @@ static void normals_lead_into_narrow_gaps(void **state)
         areas[i] = shell_spacing(&near) * shell_spacing(&near);
     }
     check_status(shell_orient(&(shell_cloud){points.points, points.count, &tree, areas, sqrt(areas[1500]), 0}, &planes,
-                              &outward, NULL),
+                              &pool, &outside, NULL),
                  BAT_OK);
     for (size_t i = 0; i < points.count; i++)
         wrong += vector3_dot(normals + 3 * i, planes.planes[i].axes[2]) < 0;
-    assert_true(outward);
+    assert_true(outside.closed);
     assert_in_range(wrong, 0, 60);
+    const double far[3] = {2, 0, 1}, middle[3] = {0, 0, 1.2};
+    assert_true(shell_is_outside(&outside, far));
+    assert_false(shell_is_outside(&outside, middle));
+    assert_false(shell_is_outside(&outside, points.points));
+    memory_pool_free(&pool);
     neighbour_list_free(&near);
     oriented_planes_free(&planes);
     nearest_free(&tree);
     free(points.points);
     free(normals);
     free(areas);
+}
+
+/// A sphere in a sphere: a second solid where its normals lead outwards, and a hollow where they lead inwards.
+static void hollows_are_refused(void **state)
+{
+    (void)state;
+    for (int hollow = 0; hollow < 2; hollow++)
+    {
+        scatter outer = sphere(2000, 1, 0), made = sphere(4000, 1, 0);
+        bat_mesh ball, both = {0};
+        bat_shell_report report = {0};
+        shell_connection found = {0};
+        // Fewer points of the inner sphere, which is the smaller piece.
+        for (size_t k = 0; k < 3 * made.count; k++)
+            made.points[k] *= k < 300 || k % 6 < 3 ? 1 : 0.5;
+        check_status(shell_connect(outer.points, outer.count, (bat_progress){0}, &ball, &found, NULL), BAT_OK);
+        size_t vertices = ball.vertex_count, faces = ball.face_count;
+        both.vertex_count = 2 * vertices;
+        both.face_count = 2 * faces;
+        both.positions = calloc(6 * vertices, sizeof *both.positions);
+        both.faces = calloc(6 * faces, sizeof *both.faces);
+        for (size_t k = 0; k < 3 * vertices; k++)
+            both.positions[3 * vertices + k] = (both.positions[k] = ball.positions[k]) / 2;
+        for (size_t k = 0; k < 3 * faces; k++)
+        {
+            both.faces[k] = ball.faces[k];
+            both.faces[3 * faces + k] = ball.faces[hollow ? 3 * faces - 1 - k : k] + (uint32_t)vertices;
+        }
+        check_status(shell_open_holes(made.points, made.count, &found, 0, &both, &report, NULL),
+                     hollow ? BAT_NO_CONVERGENCE : BAT_OK);
+        assert_int_equal(report.dropped_pieces, 0);
+        bat_mesh_free(&ball);
+        bat_mesh_free(&both);
+        free(made.points);
+        free(outer.points);
+    }
 }
 
 static void false_handles_are_cut(void **state)
@@ -448,6 +490,7 @@ int main(void)
         cmocka_unit_test(a_torus_keeps_its_hole),
         cmocka_unit_test(an_open_cup_stays_open),
         cmocka_unit_test(normals_lead_into_narrow_gaps),
+        cmocka_unit_test(hollows_are_refused),
         cmocka_unit_test(false_handles_are_cut),
         cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),

@@ -25,6 +25,7 @@
 #define MARGIN 3       ///< cells of the first grid around the points
 #define NEIGHBOURS 9   ///< stored for each node
 #define ITERATIONS 300
+#define OUTSIDE_ROUNDS 3
 
 /// Weights of smoothness without noise, and with noise of the size of a cell.
 static const double SMOOTHNESS[2] = {0.3, 1.5};
@@ -69,7 +70,7 @@ typedef struct connection
     level_grid grid;
     level_point *places;      ///< count
     double noise, smoothness; ///< lambda
-    bool outward;             ///< normals are known to point outwards
+    shell_outside outside;
     memory_pool pool;
 } connection;
 
@@ -295,26 +296,46 @@ static bat_status minimize(connection *work, bat_error *error)
 
 // Grids
 
-/// Set the fixed nodes of the first grid to their distance from the points: outside a closed surface f is positive.
-static bat_status fix_border(connection *work, bat_error *error)
+/// Fix nodes outside a closed surface at their distance from the points: f is positive there.
+/// @param border take the nodes that are fixed, rather than those where f is negative
+/// @param count  receives how many they are
+static bat_status fix_outside(connection *work, bool border, size_t *count, bat_error *error)
 {
     level_grid *grid = &work->grid;
     neighbour_list near = {0};
     bat_status status = BAT_OK;
+    *count = 0;
     for (size_t n = 0; n < grid->count && status == BAT_OK; n++)
     {
         uint64_t at[3];
         double place[3];
-        if (!grid->fixed[n])
-            continue;
         place_of(grid, grid->keys[n], at);
         for (int d = 0; d < 3; d++)
             place[d] = grid->origin[d] + grid->cell * (double)at[d];
+        if (border ? !grid->fixed[n] : grid->values[n] >= 0 || !shell_is_outside(&work->outside, place))
+            continue;
         status = neighbours_nearest(work->tree, place, 1, &near, error);
-        if (status == BAT_OK)
-            grid->values[n] = sqrt(near.entries[0].squared) / grid->cell;
+        if (status != BAT_OK)
+            break;
+        grid->values[n] = sqrt(near.entries[0].squared) / grid->cell;
+        grid->fixed[n] = true;
+        ++*count;
     }
     neighbour_list_free(&near);
+    return status;
+}
+
+/// Minimize the energy, again where f is negative outside a closed surface.
+static bat_status minimize_inside(connection *work, bat_error *error)
+{
+    size_t wrong = 1;
+    bat_status status = minimize(work, error);
+    for (int k = 0; k < OUTSIDE_ROUNDS && status == BAT_OK && work->outside.closed && wrong > 0; k++)
+    {
+        status = fix_outside(work, false, &wrong, error);
+        if (status == BAT_OK && wrong > 0)
+            status = minimize(work, error);
+    }
     return status;
 }
 
@@ -335,8 +356,9 @@ static bat_status first_grid(connection *work, double cell, bat_error *error)
             for (at[0] = 0; at[0] + 1 < grid->size[0] && complete; at[0]++)
                 complete = add_cell(grid, key_at(grid, at));
     bat_status status =
-        complete ? link_nodes(grid, !work->outward, error) : error_memory(error, grid->count * sizeof *grid->keys);
-    return status == BAT_OK && work->outward ? fix_border(work, error) : status;
+        complete ? link_nodes(grid, !work->outside.closed, error) : error_memory(error, grid->count * sizeof *grid->keys);
+    size_t count;
+    return status == BAT_OK && work->outside.closed ? fix_outside(work, true, &count, error) : status;
 }
 
 /// Mark the cell and those around it.
@@ -444,8 +466,8 @@ static bat_status halve(connection *work, bat_error *error)
         }
     }
     key_map_free(&marks);
-    bat_status status =
-        complete ? link_nodes(&fine, full && !work->outward, error) : error_memory(error, fine.count * sizeof *fine.keys);
+    bat_status status = complete ? link_nodes(&fine, full && !work->outside.closed, error)
+                                 : error_memory(error, fine.count * sizeof *fine.keys);
     if (status == BAT_OK)
     {
         prolong(coarse, &fine);
@@ -611,7 +633,7 @@ static bat_status solve_levels(connection *work, double extent, double finest, b
             work->areas[i] = fmin(fmax(areas[i] / unit, MIN_AREA), MAX_AREA);
         work->smoothness = SMOOTHNESS[0] + (SMOOTHNESS[1] - SMOOTHNESS[0]) * work->noise / work->grid.cell;
         find_places(work);
-        status = minimize(work, error);
+        status = minimize_inside(work, error);
         if (level == levels)
             break;
         if (status == BAT_OK)
@@ -647,7 +669,7 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
         work.noise = found->noise;
         if (status == BAT_OK)
             status = shell_orient(&(shell_cloud){points, count, &tree, work.areas, found->spacing, found->noise}, &planes,
-                                  &work.outward, error);
+                                  &work.pool, &work.outside, error);
         if (status == BAT_OK)
             status = solve_levels(&work, extent, found->cell, progress, error);
     }

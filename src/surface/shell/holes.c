@@ -77,10 +77,34 @@ static size_t spread(opening *work, uint32_t vertex, double bound, uint32_t *lab
     return end;
 }
 
-/// Mark pieces with few points as gone. At least the largest stays.
-static void drop_pieces(opening *work, bat_shell_report *report)
+/// The volume that the listed vertices of a piece enclose; negative where normals lead inwards, 0 where it is open.
+static double volume_of(const opening *work, size_t members)
+{
+    const double *at = work->mesh->positions;
+    double sum = 0;
+    for (size_t k = 0; k < members; k++)
+    {
+        uint32_t first = work->links.first[work->stack[k]], h = first;
+        do
+        {
+            double normal[3];
+            const uint32_t *face = work->mesh->faces + h / 3 * 3;
+            vector3_cross(at + 3 * (size_t)face[0], at + 3 * (size_t)face[1], normal);
+            sum += vector3_dot(normal, at + 3 * (size_t)face[2]) / 18;
+            h = bat_mesh_next_around(&work->links, h);
+        } while (h != first && h != BAT_MESH_NONE);
+        if (h == BAT_MESH_NONE)
+            return 0;
+    }
+    return sum;
+}
+
+/// Mark pieces with few points as gone. At least the largest stays. Returns whether one that stays is a hollow: the points
+/// close a gap whose walls are nearer to each other than the spacing or the noise.
+static bool drop_pieces(opening *work, bat_shell_report *report)
 {
     size_t count = work->mesh->vertex_count, largest = 0;
+    bool hollow = false;
     for (int pass = 0; pass < 2; pass++)
     {
         memset(work->piece, 0xff, count * sizeof *work->piece);
@@ -96,8 +120,10 @@ static void drop_pieces(opening *work, bat_shell_report *report)
             for (size_t k = 0; k < members && pass == 1; k++)
                 work->gone[work->stack[k]] = !stays;
             report->dropped_pieces += pass == 1 && !stays;
+            hollow = hollow || (pass == 1 && stays && covered < largest && volume_of(work, members) < 0);
         }
     }
+    return hollow;
 }
 
 /// The diagonal of the box around the listed vertices.
@@ -227,9 +253,11 @@ static bat_status open_once(const double *points, size_t count, const shell_conn
         status = shell_distances(points, count, mesh->positions, vertices, 0, found->cell, work.far, error);
     if (status == BAT_OK)
     {
-        drop_pieces(&work, report);
+        if (drop_pieces(&work, report))
+            status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                               "the points enclose a hollow: a gap is narrower than their spacing or their noise");
         open_holes(&work, fill, report);
-        status = keep_rest(&work, error);
+        status = status == BAT_OK ? keep_rest(&work, error) : status;
     }
     bat_mesh_connectivity_free(&work.links);
     memory_pool_free(&work.pool);

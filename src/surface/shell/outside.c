@@ -16,6 +16,8 @@
 #define SIGHTS 32        ///< directions
 #define VOTERS 10        ///< nearest points that a point listens to
 #define VOTE_ROUNDS 20
+
+/// Marks of cells: near points, and reached from the border. Others are neither.
 #define WALL 1
 #define OUTSIDE 2
 
@@ -30,16 +32,7 @@ static const double OWN_VOTE = 0.2, NOISE_SHARE = 16;
 /// Radius of the wall around a point, in its spacings and in cells, and the length of a step through it in cells.
 static const double WALL_SPACINGS = 2.5, MIN_WALL = 2.5, MAX_WALL = 8, OUTSIDE_STEP = 0.5;
 
-/// A grid of cells: 0 unknown, WALL near points, OUTSIDE reached from the border.
-typedef struct outside_grid
-{
-    double cell, origin[3];
-    size_t size[3];
-    uint8_t *marks;
-    uint32_t *queue;
-} outside_grid;
-
-static size_t mark_index(const outside_grid *grid, const double *point)
+static size_t mark_index(const shell_outside *grid, const double *point)
 {
     size_t at[3];
     for (int d = 0; d < 3; d++)
@@ -50,8 +43,13 @@ static size_t mark_index(const outside_grid *grid, const double *point)
     return (at[2] * grid->size[1] + at[1]) * grid->size[0] + at[0];
 }
 
+bool shell_is_outside(const shell_outside *outside, const double *place)
+{
+    return outside->marks[mark_index(outside, place)] == OUTSIDE;
+}
+
 /// Mark the cells within a radius of a point, in cells.
-static void mark_ball(const outside_grid *grid, const double *point, double radius)
+static void mark_ball(const shell_outside *grid, const double *point, double radius)
 {
     int reach = (int)radius;
     for (int z = -reach; z <= reach; z++)
@@ -64,15 +62,15 @@ static void mark_ball(const outside_grid *grid, const double *point, double radi
                 }
 }
 
-static void flood(const outside_grid *grid)
+static void flood(const shell_outside *grid, uint32_t *queue)
 {
     const size_t *size = grid->size, layer = size[0] * size[1];
     size_t begin = 0, end = 1;
-    grid->queue[0] = 0;
+    queue[0] = 0;
     grid->marks[0] = OUTSIDE;
     while (begin < end)
     {
-        size_t cell = grid->queue[begin++], at[3] = {cell % size[0], cell / size[0] % size[1], cell / layer};
+        size_t cell = queue[begin++], at[3] = {cell % size[0], cell / size[0] % size[1], cell / layer};
         const size_t step[3] = {1, size[0], layer};
         for (int d = 0; d < 3; d++)
             for (int side = 0; side < 2; side++)
@@ -83,7 +81,7 @@ static void flood(const outside_grid *grid)
                 if (grid->marks[next] != 0)
                     continue;
                 grid->marks[next] = OUTSIDE;
-                grid->queue[end++] = (uint32_t)next;
+                queue[end++] = (uint32_t)next;
             }
     }
 }
@@ -95,7 +93,7 @@ typedef struct outside_walk
     bool inside; ///< it meets a cell that is neither wall nor outside first
 } outside_walk;
 
-static outside_walk walk_outside(const outside_grid *grid, const double *point, const double *direction, double sign)
+static outside_walk walk_outside(const shell_outside *grid, const double *point, const double *direction, double sign)
 {
     outside_walk walk = {OUTSIDE_REACH, false};
     for (int k = 1; k < OUTSIDE_REACH && walk.steps == OUTSIDE_REACH; k++)
@@ -112,7 +110,7 @@ static outside_walk walk_outside(const outside_grid *grid, const double *point, 
 }
 
 /// Mark the wall around the points, and the outside.
-static bat_status outside_make(const shell_cloud *cloud, outside_grid *grid, memory_pool *pool, bat_error *error)
+static bat_status outside_make(const shell_cloud *cloud, shell_outside *grid, memory_pool *pool, bat_error *error)
 {
     const double *low = nearest_bounds(cloud->tree), *high = low + 3;
     double extent = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
@@ -125,18 +123,18 @@ static bat_status outside_make(const shell_cloud *cloud, outside_grid *grid, mem
         cells *= grid->size[d];
     }
     grid->marks = memory_pool_zeros(pool, cells, sizeof *grid->marks);
-    grid->queue = memory_pool_array(pool, cells, sizeof *grid->queue);
+    uint32_t *queue = memory_pool_array(pool, cells, sizeof *queue);
     bat_status status = memory_pool_check(pool, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
         mark_ball(grid, cloud->points + 3 * i,
                   fmin(fmax(WALL_SPACINGS * sqrt(cloud->areas[i]) / grid->cell, MIN_WALL), MAX_WALL));
     if (status == BAT_OK)
-        flood(grid);
+        flood(grid, queue);
     return status;
 }
 
 /// The share of directions in which one sees far from a point, in the half-space of a normal, less that in the other one.
-static double sight_of(const outside_grid *grid, const double *point, const double normal[3])
+static double sight_of(const shell_outside *grid, const double *point, const double normal[3])
 {
     double sum = 0;
     for (int k = 0; k < SIGHTS; k++)
@@ -207,33 +205,31 @@ static bat_status share_votes(const shell_cloud *cloud, const oriented_planes *p
     return status;
 }
 
-bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool *outward, bat_error *error)
+bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, memory_pool *pool, shell_outside *outside,
+                        bat_error *error)
 {
-    memory_pool pool = {0};
-    outside_grid grid = {0};
     size_t inner = 0;
     double sum = 0;
-    float *votes = memory_pool_zeros(&pool, cloud->count, sizeof *votes);
-    bat_status status = outside_make(cloud, &grid, &pool, error);
+    float *votes = memory_pool_zeros(pool, cloud->count, sizeof *votes);
+    bat_status status = outside_make(cloud, outside, pool, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
     {
         const double *point = cloud->points + 3 * i, *normal = planes->planes[i].axes[2];
-        outside_walk ahead = walk_outside(&grid, point, normal, 1), behind = walk_outside(&grid, point, normal, -1);
+        outside_walk ahead = walk_outside(outside, point, normal, 1), behind = walk_outside(outside, point, normal, -1);
         votes[i] = (float)(behind.steps - ahead.steps) / OUTSIDE_REACH;
         inner += votes[i] != 0 && (votes[i] > 0 ? behind : ahead).inside;
     }
-    *outward = (double)inner > MIN_INNER * (double)cloud->count;
-    for (size_t i = 0; i < cloud->count && status == BAT_OK && !*outward; i++)
-        votes[i] = (float)sight_of(&grid, cloud->points + 3 * i, planes->planes[i].axes[2]);
-    if (status == BAT_OK && *outward)
-        status = share_votes(cloud, planes, &pool, votes, error);
+    outside->closed = (double)inner > MIN_INNER * (double)cloud->count;
+    for (size_t i = 0; i < cloud->count && status == BAT_OK && !outside->closed; i++)
+        votes[i] = (float)sight_of(outside, cloud->points + 3 * i, planes->planes[i].axes[2]);
+    if (status == BAT_OK && outside->closed)
+        status = share_votes(cloud, planes, pool, votes, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
         sum += votes[i];
     // Normals of open surfaces are turned alone only where they are not all alike.
-    double least = *outward ? 0 : planes->conflicts > 0 ? MIN_SIGHT : INFINITY;
+    double least = outside->closed ? 0 : planes->conflicts > 0 ? MIN_SIGHT : INFINITY;
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
         for (int d = 0; d < 3 && (fabsf(votes[i]) > least ? votes[i] < 0 : sum < 0); d++)
             planes->planes[i].axes[2][d] *= -1;
-    memory_pool_free(&pool);
     return status;
 }

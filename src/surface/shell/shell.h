@@ -41,10 +41,23 @@ typedef struct shell_cloud
     double spacing, noise;
 } shell_cloud;
 
-/// Turn normals outwards: of a closed surface to the outside, which is what can be reached from far away between the points;
-/// of an open one all alike, to the side from which more directions lead away freely.
-/// @param outward receives whether the surface is closed
-bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool *outward, bat_error *error);
+/// What can be reached from far away between the points.
+typedef struct shell_outside
+{
+    double cell, origin[3];
+    size_t size[3];
+    uint8_t *marks; ///< of the cells
+    bool closed;    ///< it leaves an inside
+} shell_outside;
+
+/// Whether a place is outside.
+bool shell_is_outside(const shell_outside *outside, const double *place);
+
+/// Turn normals outwards: of a closed surface to the outside; of an open one all alike, to the side from which more
+/// directions lead away freely.
+/// @param outside receives the outside; its marks are of the pool
+bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, memory_pool *pool, shell_outside *outside,
+                        bat_error *error);
 
 /// Make the zero level of a smooth function whose gradients are the normals of the points.
 /// @param points count x 3, distinct

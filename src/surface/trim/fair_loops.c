@@ -11,6 +11,7 @@
 #include "surface/trim/trimming.h"
 
 #include "base/error.h"
+#include "linalg/dense.h"
 #include "linalg/vector.h"
 
 #include <float.h>
@@ -89,39 +90,19 @@ static double residual_at(const fair_loop *loop, size_t index)
     if (!(length > 0))
         return 0;
     const double axis[2] = {(to[0] - from[0]) / length, (to[1] - from[1]) / length};
-    double basis[3][POINTS], heights[POINTS], sum = 0;
+    double powers[POINTS][3], heights[POINTS], sum = 0;
     for (int k = 0; k < POINTS; k++)
     {
         const double *point = point_at(loop, index, k - ARM);
         double x = point[0] - origin[0], y = point[1] - origin[1], t = (axis[0] * x + axis[1] * y) / length;
         heights[k] = axis[0] * y - axis[1] * x;
-        basis[0][k] = 1;
-        basis[1][k] = t;
-        basis[2][k] = t * t;
+        powers[k][0] = 1;
+        powers[k][1] = t;
+        powers[k][2] = t * t;
     }
-    // Gram and Schmidt.
-    for (int b = 0; b < 3; b++)
-    {
-        double norm = 0, along = 0;
-        for (int a = 0; a < b; a++)
-        {
-            double dot = 0;
-            for (int k = 0; k < POINTS; k++)
-                dot += basis[a][k] * basis[b][k];
-            for (int k = 0; k < POINTS; k++)
-                basis[b][k] -= dot * basis[a][k];
-        }
-        for (int k = 0; k < POINTS; k++)
-            norm += basis[b][k] * basis[b][k];
-        norm = sqrt(norm);
-        for (int k = 0; k < POINTS; k++)
-            basis[b][k] = norm > 1e-12 ? basis[b][k] / norm : 0;
-        for (int k = 0; k < POINTS; k++)
-            along += basis[b][k] * heights[k];
-        for (int k = 0; k < POINTS; k++)
-            heights[k] -= along * basis[b][k];
-    }
-    for (int k = 0; k < POINTS; k++)
+    // Points that have no parabola keep their sum of squares.
+    (void)decompose_least_squares(POINTS, 3, powers[0], heights, NULL);
+    for (int k = 3; k < POINTS; k++)
         sum += heights[k] * heights[k];
     return sqrt(sum / (POINTS - 3));
 }
@@ -344,35 +325,6 @@ static void add_equation(const fair_piece *piece, size_t functions, size_t unkno
     }
 }
 
-/// Solve a dense positive definite system with two right sides by Cholesky's method, in place.
-static void solve_dense(size_t count, double *matrix, double *right)
-{
-    for (size_t j = 0; j < count; j++)
-    {
-        double *row = matrix + j * count;
-        for (size_t k = 0; k <= j; k++)
-        {
-            double sum = row[k];
-            for (size_t m = 0; m < k; m++)
-                sum -= row[m] * matrix[k * count + m];
-            row[k] = k < j ? sum / matrix[k * count + k] : sqrt(fmax(sum, 1e-30));
-        }
-        for (size_t d = 0; d < 2; d++)
-        {
-            for (size_t m = 0; m < j; m++)
-                right[2 * j + d] -= row[m] * right[2 * m + d];
-            right[2 * j + d] /= row[j];
-        }
-    }
-    for (size_t j = count; j-- > 0;)
-        for (size_t d = 0; d < 2; d++)
-        {
-            for (size_t m = j + 1; m < count; m++)
-                right[2 * j + d] -= matrix[m * count + j] * right[2 * m + d];
-            right[2 * j + d] /= matrix[j * count + j];
-        }
-}
-
 /// Fit a curve with a number of spans. `residuals` receives root mean square and largest residual.
 static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_curve *curve, double residuals[2],
                             bat_error *error)
@@ -404,8 +356,8 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
     for (size_t i = 0; i + 2 < functions; i++)
         add_equation(piece, functions, unknowns, i, 3, differences, none,
                      REGULAR[piece->rough] * (double)piece->count / (double)spans, matrix, right);
-    solve_dense(unknowns, matrix, right);
-    for (size_t i = 0; i < functions; i++)
+    status = decompose_solve(unknowns, 2, matrix, right, error);
+    for (size_t i = 0; i < functions && status == BAT_OK; i++)
     {
         control_rule rule = rule_of(piece, functions, i);
         for (size_t d = 0; d < 2; d++)
@@ -417,8 +369,10 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
         }
     }
     memory_pool_free(&pool);
+    if (status != BAT_OK)
+        spline_curve_free(curve);
     residuals[0] = residuals[1] = 0;
-    for (size_t i = 0; i < piece->count; i++)
+    for (size_t i = 0; i < piece->count && status == BAT_OK; i++)
     {
         double place[2];
         spline_curve_place(curve, piece->at[i], place);
@@ -427,7 +381,7 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
         residuals[1] = fmax(residuals[1], apart);
     }
     residuals[0] = sqrt(residuals[0]);
-    return BAT_OK;
+    return status;
 }
 
 /// The polygon of a piece's points.
