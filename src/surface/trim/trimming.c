@@ -47,6 +47,10 @@ static const double RANDOM_RADIUS = 1.1;
 /// A second piece with so many of the points is an error; smaller ones are outliers.
 static const double PIECE_SHARE = 0.05;
 
+/// Mean distance of the edge from the sides of a loop through points at random places, in spacings, and what the squared
+/// noise in spacings takes off: points of the edge lie on both sides of it.
+static const double EDGE = 0.45, EDGE_NOISE = 1.3;
+
 #define NONE UINT32_MAX
 /// The gap that reaches the hull.
 #define OUTSIDE (UINT32_MAX - 1)
@@ -496,7 +500,6 @@ typedef struct trace
 {
     uint32_t *corners;
     double *missing; ///< see outline_loops
-    double share;    ///< area for each point, in its squared spacing
     size_t made;
     traced_loop *traced;
     size_t count;
@@ -513,42 +516,12 @@ static int compare_loops(const void *a, const void *b)
     return (p->begin > q->begin) - (p->begin < q->begin);
 }
 
-/// What the circle of a side's level has inside of it.
-static double arc_of(const outline_work *work, uint32_t side)
+/// The area outside of a side that points at random places leave free, by the mean distance of the edge from sides of loops.
+static double missing_of(const outline_work *work, uint32_t side)
 {
-    uint32_t corner = work->triangles.corners[side], end = side_end(work, side), other = work->opposite[side];
-    double half = distance_of(place_of(work, corner), place_of(work, end)) / 2;
-    double radius = LEVELS[other == NONE || work->level[other / 3] == 0 ? 0 : work->level[other / 3] - 1].radius *
-                    (work->spacing[corner] + work->spacing[end]) / 2;
-    half = fmin(half, radius);
-    return radius * radius * asin(half / radius) - half * sqrt(radius * radius - half * half);
-}
-
-/// Set the factor of squared spacings with which those of points that are no corners sum up to the area inside.
-static void set_share(const outline_work *work, trace *out, bool *is_corner)
-{
-    double inside = 0, sum = 0;
-    for (uint32_t s = 0; s < 3 * work->triangles.count; s++)
-    {
-        if (!is_border(work, s))
-            continue;
-        is_corner[work->triangles.corners[s]] = true;
-        inside -= arc_of(work, s);
-    }
-    for (size_t t = 0; t < work->triangles.count; t++)
-        inside += work->level[t] == 0 ? work->area[t] : 0;
-    for (size_t i = 0; i < work->geometry->order.cloud.count; i++)
-        sum += is_corner[i] ? 0 : work->spacing[i] * work->spacing[i];
-    out->share = sum > 0 && inside > 0 ? inside / sum : 1;
-}
-
-/// The area outside of a side and its first corner that points at random places leave free: as much as there is for each
-/// point, because a new point would be a corner as often as it would be outside (Efron, "The convex hull of a random set of
-/// points", 1965), less the arc.
-static double missing_of(const outline_work *work, uint32_t side, double share)
-{
-    double spacing = work->spacing[work->triangles.corners[side]];
-    return share * spacing * spacing - arc_of(work, side);
+    uint32_t corner = work->triangles.corners[side], end = side_end(work, side);
+    double spacing = (work->spacing[corner] + work->spacing[end]) / 2, noise = work->geometry->noise / spacing;
+    return fmax(EDGE - EDGE_NOISE * noise * noise, 0) * spacing * distance_of(place_of(work, corner), place_of(work, end));
 }
 
 static void end_loop(const outline_work *work, const uint32_t *sides, size_t size, trace *out)
@@ -559,7 +532,7 @@ static void end_loop(const outline_work *work, const uint32_t *sides, size_t siz
     for (size_t k = 0; k < size; k++)
     {
         out->corners[out->made + k] = work->triangles.corners[sides[k]];
-        out->missing[out->made + k] = missing_of(work, sides[k], out->share);
+        out->missing[out->made + k] = missing_of(work, sides[k]);
     }
     out->traced[out->count++] = (traced_loop){.begin = out->made,
                                               .count = size,
@@ -662,7 +635,6 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
         borders += is_border(work, s);
     size_t *last = memory_pool_array(&work->pool, points, sizeof *last);
     bool *visited = memory_pool_zeros(&work->pool, sides, sizeof *visited);
-    bool *is_corner = memory_pool_zeros(&work->pool, points, sizeof *is_corner);
     uint32_t *path = memory_pool_array(&work->pool, borders, sizeof *path);
     trace out = {.corners = memory_pool_array(&work->pool, borders, sizeof *out.corners),
                  .missing = memory_pool_array(&work->pool, borders, sizeof *out.missing),
@@ -672,7 +644,6 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
         return status;
     for (size_t i = 0; i < points; i++)
         last[i] = SIZE_MAX;
-    set_share(work, &out, is_corner);
     trace_loops(work, last, visited, path, &out);
     if (out.count == 0 || out.traced[0].area <= 0)
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no outline was found: the points are too few");
