@@ -264,6 +264,28 @@ static void narrow_notches_are_cut(void **state)
 }
 
 /// A flat plate is a plane of a few functions, and each of its holes is listed with its place and size.
+/// The control points of a circle with few spans lie outside of the rectangle around its points.
+static void discs_of_few_points_have_their_areas(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 4; seed++)
+    {
+        bat_random random = bat_random_seed(seed);
+        bat_cloud cloud = {.points = calloc(600, 3 * sizeof *cloud.points)};
+        assert_non_null(cloud.points);
+        while (cloud.count < 600)
+        {
+            double x = 2 * bat_random_uniform(&random) - 1, y = 2 * bat_random_uniform(&random) - 1;
+            if (x * x + y * y < 1)
+                add_lifted(&cloud, x, y, false);
+        }
+        bat_surface_result result = must_trim(&cloud, 0);
+        check_near(area_of_triangles(&result.surface) / PI, 1, 2 * LIMITS[0]);
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+    }
+}
+
 static void plates_are_planes_with_holes(void **state)
 {
     (void)state;
@@ -502,6 +524,7 @@ int main(void)
         cmocka_unit_test(cad_files_are_read_by_open_cascade),
         cmocka_unit_test(straight_edges_are_pieces),
         cmocka_unit_test(narrow_notches_are_cut),
+        cmocka_unit_test(discs_of_few_points_have_their_areas),
         cmocka_unit_test(plates_are_planes_with_holes),
         cmocka_unit_test(small_holes_are_filled),
         cmocka_unit_test(the_order_of_points_does_not_matter),

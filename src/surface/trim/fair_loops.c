@@ -434,18 +434,18 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
     {
         double residuals[2] = {0, 0};
         bat_status status = fit_spans(piece, spans, curve, residuals, error);
-        bool fits = status == BAT_OK && residuals[0] <= tolerance && is_within(loop, curve);
+        bool within = status == BAT_OK && is_within(loop, curve);
         // Few points far from their curve are no roughness.
-        bool rough = piece->rough && residuals[0] <= 2 * tolerance;
+        bool rough = piece->rough && within && residuals[0] <= 2 * tolerance;
         size_t most = (size_t)fmin((double)piece->count / SPAN_POINTS[rough], MAX_SPANS);
-        if (status != BAT_OK || fits || (2 * spans > most && loop->offset > 0))
+        if (status != BAT_OK || (within && (residuals[0] <= tolerance || (2 * spans > most && loop->offset > 0))))
             return status;
         if (2 * spans <= most)
         {
             spline_curve_free(curve);
             continue;
         }
-        if (residuals[1] <= loop->spacing / 4)
+        if (within && residuals[1] <= loop->spacing / 4)
             return BAT_OK;
         spline_curve_free(curve);
         return fit_polygon(piece, curve, error);
