@@ -381,6 +381,14 @@ static void test_seeds(void **state)
     assert_same(&one, &other, false);
     bat_mesh_free(&one);
     bat_mesh_free(&again);
+    // More candidates than edges are all edges.
+    options.candidates = SIZE_MAX;
+    one = decimate(&rough, &options, true);
+    options.candidates = 0;
+    again = decimate(&rough, &options, true);
+    assert_same(&one, &again, true);
+    bat_mesh_free(&one);
+    bat_mesh_free(&again);
     bat_mesh_free(&other);
     bat_mesh_free(&rough);
 }

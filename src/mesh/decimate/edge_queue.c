@@ -19,7 +19,7 @@ bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, edge_
 {
     edge_queue made = {.items = memory_array(edges, sizeof *made.items),
                        .place = memory_array(edges, sizeof *made.place),
-                       .candidates = candidates,
+                       .candidates = candidates < edges ? candidates : 0,
                        .random = bat_random_seed(seed)};
     if (made.items == NULL || made.place == NULL)
     {
