@@ -578,6 +578,41 @@ static void a_layer_without_altitudes_has_no_measures_in_geojson(void **state)
     bat_curve_set_free(&set);
 }
 
+static void limits_bound_what_is_read(void **state)
+{
+    (void)state;
+    bat_curve_read_options few = bat_curve_read_defaults(), shorter = bat_curve_read_defaults();
+    few.limits.points = 4;
+    shorter.limits.bytes = sizeof LINES - 2;
+    put_geojson("a.gpkg", LINES);
+    put_geojson("a.geojson.gz", LINES);
+    refuse("a.gpkg", &few, BAT_TOO_LARGE, "more than 4 points");
+    few.limits.points = 5;
+    bat_curve_set set = must_read_file("a.gpkg", &few);
+    bat_curve_set_free(&set);
+    refuse("a.gpkg", &shorter, BAT_TOO_LARGE, "bytes");
+    struct stat packed;
+    assert_int_equal(stat("a.geojson.gz", &packed), 0);
+    shorter.limits.bytes = (size_t)packed.st_size;
+    refuse("a.geojson.gz", &shorter, BAT_TOO_LARGE, "bytes");
+}
+
+/// GDAL would write a schema beside the file.
+static void reading_writes_nothing(void **state)
+{
+    (void)state;
+    bat_curve_read_options options = bat_curve_read_defaults();
+    options.format = BAT_CURVE_FORMAT_GDAL;
+    put("a.gml",
+        "<f:c xmlns:f=\"http://f\" xmlns:gml=\"http://www.opengis.net/gml\"><gml:featureMember><f:way fid=\"w\"><f:place>"
+        "<gml:LineString srsName=\"EPSG:4326\"><gml:coordinates>8,47 8.5,47.2</gml:coordinates></gml:LineString>"
+        "</f:place></f:way></gml:featureMember></f:c>");
+    bat_curve_set set = must_read_file("a.gml", &options);
+    assert_int_equal(set.curves[0].count, 2);
+    bat_curve_set_free(&set);
+    assert_int_equal(count_files(false), 1);
+}
+
 static void options_of_other_formats_are_refused(void **state)
 {
     (void)state;
@@ -632,6 +667,8 @@ int main(void)
         GIS_TEST(packed_text_is_read_by_its_own_reader),
         GIS_TEST(sequences_behind_gz_are_refined_whole),
         GIS_TEST(a_layer_without_altitudes_has_no_measures_in_geojson),
+        GIS_TEST(limits_bound_what_is_read),
+        GIS_TEST(reading_writes_nothing),
         GIS_TEST(options_of_other_formats_are_refused),
 #else
         GIS_TEST(a_build_without_gdal_says_what_to_install),

@@ -19,9 +19,11 @@ static bool is_utf16(const file_text *text)
                                (byte[0] == 0xFE && byte[1] == 0xFF && byte[2] == 0 && byte[3] < 0x80));
 }
 
-static bat_status too_long(size_t bytes, bat_error *error)
+bat_status file_text_bytes(const bat_limits *limits, uintmax_t bytes, bat_error *error)
 {
-    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the input has more than %zu bytes", bytes);
+    if (limits == NULL || limits->bytes == 0 || bytes <= limits->bytes)
+        return BAT_OK;
+    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the input has more than %zu bytes", limits->bytes);
     return error_remedy(error, BAT_TOO_LARGE, "limits.bytes", "allows more");
 }
 
@@ -53,10 +55,10 @@ bat_status file_text_read(const char *path, const bat_limits *limits, file_text 
 {
     text_buffer buffer = {0};
     struct stat about;
-    size_t most = limits != NULL ? limits->bytes : 0;
-    if (most > 0 && stat(path, &about) == 0 && S_ISREG(about.st_mode) && (uintmax_t)about.st_size > most)
-        return too_long(most, error);
-    bat_status status = file_bytes_read(path, most > 0 ? most : FILE_MAX_BYTES, &buffer, error);
+    bool regular = stat(path, &about) == 0 && S_ISREG(about.st_mode);
+    bat_status status = file_text_bytes(limits, regular ? (uintmax_t)about.st_size : 0, error);
+    if (status == BAT_OK)
+        status = file_bytes_read(path, limits != NULL && limits->bytes > 0 ? limits->bytes : FILE_MAX_BYTES, &buffer, error);
     if (status == BAT_OK)
         status = text_finish(&buffer, limits, text, error);
     if (status == BAT_OK)
@@ -67,8 +69,9 @@ bat_status file_text_read(const char *path, const bat_limits *limits, file_text 
 bat_status file_text_copy(const char *bytes, size_t size, const bat_limits *limits, file_text *text, bat_error *error)
 {
     text_buffer buffer = {0};
-    if (limits != NULL && limits->bytes > 0 && size > limits->bytes)
-        return too_long(limits->bytes, error);
+    bat_status status = file_text_bytes(limits, size, error);
+    if (status != BAT_OK)
+        return status;
     text_append(&buffer, bytes, size);
     return text_finish(&buffer, limits, text, error);
 }

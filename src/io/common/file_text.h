@@ -26,6 +26,10 @@ bat_status file_text_read(const char *path, const bat_limits *limits, file_text 
 /// @return as file_text_read()
 bat_status file_text_copy(const char *bytes, size_t size, const bat_limits *limits, file_text *text, bat_error *error);
 
+/// Check the length of an input.
+/// @return BAT_OK or BAT_TOO_LARGE
+bat_status file_text_bytes(const bat_limits *limits, uintmax_t bytes, bat_error *error);
+
 /// Check the number of points that compression and instances make of a text, and files beside it, of `bytes` bytes in all.
 /// @return BAT_OK or BAT_TOO_LARGE
 bat_status file_text_points(const file_text *text, size_t bytes, size_t points, bat_error *error);

@@ -238,7 +238,7 @@ static bat_status read_set(const char *path, const char *bytes, size_t size, con
     {
         file_text text = {0};
         status = path == NULL           ? file_text_copy(bytes, size, &options->limits, &text, error)
-                 : gis_is_virtual(path) ? gis_text_read(path, &text, error)
+                 : gis_is_virtual(path) ? gis_text_read(path, &options->limits, &text, error)
                                         : file_text_read(path, &options->limits, &text, error);
         if (status == BAT_OK)
             status = read_format(&text, format, options, &made, error);
@@ -343,7 +343,7 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
     if (set->attributes != NULL && set->attributes->on_sphere && set->space->point_dim == 3)
     {
         bat_curve_set plane;
-        bat_status moved = gis_to_plane(set, &plane, error);
+        bat_status moved = gis_transform(set, set->attributes->crs, GIS_PLANE, &plane, error);
         if (moved != BAT_OK)
             return moved;
         moved = write_set(path, &plane, options, memory, error);

@@ -577,7 +577,7 @@ bat_status gpx_write(const bat_curve_set *set, const bat_curve_write_options *op
                          "GPX holds longitude and latitude, but the curves lie in the space %s without a coordinate system",
                          set->space->name);
     bool shifts = !same && crs != NULL && !(globe && crs_is_geographic(crs));
-    bat_status status = shifts ? gis_to_wgs84(set, crs, &moved, error) : BAT_OK;
+    bat_status status = shifts ? gis_transform(set, crs, GIS_WGS84, &moved, error) : BAT_OK;
     if (status != BAT_OK)
         return status;
     gpx_writer writer = {

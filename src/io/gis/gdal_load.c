@@ -1,5 +1,6 @@
 #include "io/gis/gdal.h"
 
+#include "base/file_bytes.h"
 #include "curve/polygon.h"
 #include "io/gis/gis.h"
 #include "space/degrees.h"
@@ -65,9 +66,7 @@ void gdal_end(void)
 
 bat_status gdal_fault(const gdal_messages *messages, bat_status status, bat_error *error, const char *what)
 {
-    if (messages->failures == 0)
-        return error_set(error, status, BAT_NO_INDEX, 0, "%s", what);
-    return error_set(error, status, BAT_NO_INDEX, 0, "%s: %s", what, messages->text);
+    return error_set(error, status, BAT_NO_INDEX, 0, "%s%s%s", what, messages->failures > 0 ? ": " : "", messages->text);
 }
 
 char *gdal_path(const char *path)
@@ -85,8 +84,9 @@ char *gdal_path(const char *path)
     return spelled;
 }
 
-bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
+bat_status gis_text_read(const char *path, const bat_limits *limits, file_text *text, bat_error *error)
 {
+    const bat_limits most = {.bytes = limits->bytes > 0 ? limits->bytes : (size_t)(FILE_MAX_BYTES - 1)};
     gdal_messages messages;
     bat_status status = gdal_begin(&messages, error);
     if (status != BAT_OK)
@@ -107,6 +107,8 @@ bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
             status = error_memory(error, bytes.size + PIECE);
         else
             text_advance(&bytes, out + got);
+        if (status == BAT_OK)
+            status = file_text_bytes(&most, bytes.size, error);
     }
     if (status == BAT_OK && messages.failures > 0)
         status = gdal_fault(&messages, BAT_BAD_FILE, error, "cannot read");
@@ -115,7 +117,7 @@ bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
     free(spelled);
     gdal_end();
     if (status == BAT_OK)
-        status = file_text_copy(bytes.data != NULL ? bytes.data : "", bytes.size, NULL, text, error);
+        status = file_text_copy(bytes.data != NULL ? bytes.data : "", bytes.size, limits, text, error);
     text_free(&bytes);
     return status;
 }
@@ -173,23 +175,15 @@ bool system_is_swapped(OGRSpatialReferenceH system)
     return swapped;
 }
 
-/// Where a set of a system goes.
-typedef enum system_target
-{
-    TO_SPHERE, ///< longitude and latitude on the ellipsoid of its system
-    TO_PLANE,  ///< back
-    TO_WGS84
-} system_target;
-
 /// The transformation between a plane and longitude and latitude in degrees: on the ellipsoid of the plane's system where
 /// possible, because that is the same point of the Earth and comes back exactly; else WGS 84.
-static OGRCoordinateTransformationH transformation(const char *name, system_target target)
+static OGRCoordinateTransformationH transformation(const char *name, gis_target target)
 {
     OGRSpatialReferenceH plane = system_by_name(name);
-    bool to_sphere = target != TO_PLANE;
+    bool to_sphere = target != GIS_PLANE;
     if (plane == NULL)
         return NULL;
-    OGRSpatialReferenceH globe = target != TO_WGS84 ? gdal.OSRCloneGeogCS(plane) : NULL;
+    OGRSpatialReferenceH globe = target != GIS_WGS84 ? gdal.OSRCloneGeogCS(plane) : NULL;
     if (globe != NULL && !system_is_degrees(globe))
     {
         gdal.OSRDestroySpatialReference(globe);
@@ -256,9 +250,8 @@ static bat_status transform_curve(OGRCoordinateTransformationH transform, const 
     return status;
 }
 
-/// Make a set of the transformed curves, which shares the attributes.
-static bat_status transform_set(const bat_curve_set *set, const char *crs, system_target target, bat_curve_set *result,
-                                bat_error *error)
+bat_status gis_transform(const bat_curve_set *set, const char *crs, gis_target target, bat_curve_set *result,
+                         bat_error *error)
 {
     gdal_messages messages;
     bat_status status = gdal_begin(&messages, error);
@@ -271,7 +264,7 @@ static bat_status transform_set(const bat_curve_set *set, const char *crs, syste
     else if (transform == NULL)
         status = gdal_fault(&messages, BAT_UNSUPPORTED, error, "the coordinate system cannot be transformed");
     if (status == BAT_OK)
-        *moved.space = target != TO_PLANE ? bat_sphere(2) : bat_euclidean(2);
+        *moved.space = target != GIS_PLANE ? bat_sphere(2) : bat_euclidean(2);
     for (; status == BAT_OK && moved.count < set->count; moved.count++)
         status = copy_curve(&set->curves[moved.count], moved.space, &moved.curves[moved.count])
                      ? transform_curve(transform, &set->curves[moved.count], &moved.curves[moved.count], error)
@@ -298,21 +291,11 @@ bat_status gis_to_sphere(bat_curve_set *set, bat_error *error)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the file names no coordinate system, so its points cannot go to the sphere");
     bat_curve_set moved;
-    bat_status status = transform_set(set, set->attributes->crs, TO_SPHERE, &moved, error);
+    bat_status status = gis_transform(set, set->attributes->crs, GIS_SPHERE, &moved, error);
     if (status != BAT_OK)
         return status;
     bat_curve_set_free(set);
     *set = moved;
     set->attributes->on_sphere = true;
     return BAT_OK;
-}
-
-bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error)
-{
-    return transform_set(set, set->attributes->crs, TO_PLANE, plane, error);
-}
-
-bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error)
-{
-    return transform_set(set, crs, TO_WGS84, globe, error);
 }

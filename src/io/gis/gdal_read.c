@@ -22,13 +22,15 @@ typedef struct layer_reader
     bool measures; ///< the layer has measures (M) and no altitudes: the third number of a position is its measure
     bool ids;      ///< features have numbers of their own
     bool zeros;    ///< altitudes are 0 where there are none
-    size_t undefined, straightened, recoded;
+    size_t undefined, straightened, recoded, points;
     text_buffer text;
     gdal_messages messages;
 } layer_reader;
 
-static void write_number(text_buffer *text, double value)
+/// Write a number after a separator.
+static void write_number(text_buffer *text, const char *separator, double value)
 {
+    text_append_string(text, separator);
     char *out = text_reserve(text, NUMBER_TEXT_SIZE);
     if (out == NULL)
         return;
@@ -57,21 +59,14 @@ static void write_string(layer_reader *reader, const char *string)
 static void write_position(layer_reader *reader, OGRGeometryH geometry, int index)
 {
     double x, y, z, m;
+    reader->points++;
     gdal.OGR_G_GetPointZM(geometry, index, &x, &y, &z, &m);
-    text_append_string(&reader->text, "[");
-    write_number(&reader->text, x);
-    text_append_string(&reader->text, ",");
-    write_number(&reader->text, y);
+    write_number(&reader->text, "[", x);
+    write_number(&reader->text, ",", y);
     if (gdal.OGR_G_Is3D(geometry))
-    {
-        text_append_string(&reader->text, ",");
-        write_number(&reader->text, z);
-    }
+        write_number(&reader->text, ",", z);
     if (gdal.OGR_G_IsMeasured(geometry))
-    {
-        text_append_string(&reader->text, ",");
-        write_number(&reader->text, m);
-    }
+        write_number(&reader->text, ",", m);
     text_append_string(&reader->text, "]");
 }
 
@@ -235,7 +230,7 @@ static void write_time(layer_reader *reader, OGRFeatureH feature, int field, OGR
 static void write_real(layer_reader *reader, double value)
 {
     if (isfinite(value))
-        write_number(&reader->text, value);
+        write_number(&reader->text, "", value);
     else
         write_string(reader, isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
 }
@@ -343,8 +338,9 @@ static bool write_feature(layer_reader *reader, OGRFeatureH feature)
     return written;
 }
 
-static bat_status write_features(layer_reader *reader, bat_error *error)
+static bat_status write_features(layer_reader *reader, const bat_limits *limits, size_t file_size, bat_error *error)
 {
+    const file_text limited = {.points = limits->points};
     size_t count = 0;
     bat_status status = BAT_OK;
     text_append_string(&reader->text, "{\"type\":\"FeatureCollection\",\"name\":");
@@ -356,6 +352,8 @@ static bat_status write_features(layer_reader *reader, bat_error *error)
         text_append_string(&reader->text, count > 0 ? ",\n" : "\n");
         if (!write_feature(reader, feature))
             status = error_set(error, BAT_UNSUPPORTED, count, 0, "feature %zu has a geometry of an unknown type", count);
+        else
+            status = file_text_points(&limited, file_size, reader->points, error);
         gdal.OGR_F_Destroy(feature);
         if (status == BAT_OK && reader->messages.failures > 0)
             break;
@@ -520,7 +518,7 @@ static bool note_all(const layer_reader *reader, GDALDatasetH dataset, const bat
     return noted;
 }
 
-static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const bat_curve_read_options *options,
+static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, size_t bytes, const bat_curve_read_options *options,
                              bat_curve_set *set, bat_error *error)
 {
     OGRwkbGeometryType type = gdal.OGR_L_GetGeomType(reader->layer);
@@ -533,7 +531,7 @@ static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const b
     bat_curve_set made = {0};
     bat_status status = find_system(reader, strcmp(driver, "DXF") == 0, options->space, &system, error);
     if (status == BAT_OK)
-        status = write_features(reader, error);
+        status = write_features(reader, &options->limits, bytes, error);
     if (status == BAT_OK)
     {
         bat_curve_read_options rest = *options;
@@ -563,8 +561,9 @@ static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const b
     return status;
 }
 
-/// Whether a path of the file system can be read, for a message in the usual words.
-static bat_status check_path(const char *path, bool folders, bat_error *error)
+/// Whether a path of the file system can be read, for a message in the usual words. `bytes` becomes its length if it has
+/// one.
+static bat_status check_path(const char *path, bool folders, const bat_limits *limits, size_t *bytes, bat_error *error)
 {
     struct stat about;
     if (strncmp(path, "/vsi", 4) == 0)
@@ -572,22 +571,30 @@ static bat_status check_path(const char *path, bool folders, bat_error *error)
     if (strcmp(path, "-") == 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "formats of GDAL cannot be read from standard input");
     int reason = stat(path, &about) != 0 ? errno : S_ISDIR(about.st_mode) && !folders ? EISDIR : 0;
-    return reason == 0 ? BAT_OK : error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(reason));
+    if (reason != 0)
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(reason));
+    *bytes = (size_t)about.st_size;
+    return file_text_bytes(limits, *bytes, error);
 }
 
 bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_options *options, bat_curve_set *set,
                     bat_error *error)
 {
+    // GML: nothing is written beside the file, and nothing fetched that it names.
+    static const char *const OPENING[] = {"WRITE_GFS=NO", "DOWNLOAD_SCHEMA=NO", NULL};
     layer_reader reader = {.fields = NULL};
-    bat_status status = check_path(path, drivers == NULL, error);
+    size_t bytes = SIZE_MAX / 2; // unknown, as is that of many files
+    bat_status status = check_path(path, drivers == NULL, &options->limits, &bytes, error);
     if (status == BAT_OK)
         status = gdal_begin(&reader.messages, error);
     if (status != BAT_OK)
         return status;
     char *spelled = gdal_path(path);
+    if (drivers == NULL && spelled != NULL && strcmp(spelled, path) == 0)
+        bytes = SIZE_MAX / 2;
     char **allowed = drivers != NULL ? gdal.CSLTokenizeString2(drivers, ",", 0) : NULL;
     GDALDatasetH dataset = spelled != NULL ? gdal.GDALOpenEx(spelled, GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR,
-                                                             (const char *const *)allowed, NULL, NULL)
+                                                             (const char *const *)allowed, OPENING, NULL)
                                            : NULL;
     if (spelled == NULL)
         status = error_memory(error, strlen(path));
@@ -596,7 +603,7 @@ bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_
     else
         status = choose_layer(dataset, options, &reader.layer, error);
     if (status == BAT_OK)
-        status = read_layer(&reader, dataset, options, set, error);
+        status = read_layer(&reader, dataset, bytes, options, set, error);
     if (dataset != NULL)
         gdal.GDALClose(dataset);
     gdal.CSLDestroy(allowed);

@@ -35,7 +35,8 @@ static inline bool gis_is_virtual(const char *path)
     return strncmp(path, "/vsi", 4) == 0 || (length > size && strcasecmp(path + length - size, ENDING) == 0);
 }
 
-bat_status gis_text_read(const char *path, file_text *text, bat_error *error);
+/// Read a text that may be compressed, as file_text_read() does. A limit of 0 bytes is that of a stream.
+bat_status gis_text_read(const char *path, const bat_limits *limits, file_text *text, bat_error *error);
 
 /// Write a text, compressed, to a path that ends in ".gz".
 bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *error);
@@ -44,8 +45,14 @@ bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (no coordinate system), BAT_UNSUPPORTED, BAT_INVALID_POINT or BAT_NO_MEMORY
 bat_status gis_to_sphere(bat_curve_set *set, bat_error *error);
 
-/// The reverse of gis_to_sphere(), into a new set that shares the attributes.
-bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error);
+/// Where a set of a coordinate system goes.
+typedef enum gis_target
+{
+    GIS_SPHERE, ///< longitude and latitude on the ellipsoid of its system
+    GIS_PLANE,  ///< back
+    GIS_WGS84
+} gis_target;
 
-/// Move a set of a coordinate system, in its plane or its degrees, to WGS 84, as gis_to_plane() does.
-bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error);
+/// Make a set of the transformed curves, which shares the attributes.
+bat_status gis_transform(const bat_curve_set *set, const char *crs, gis_target target, bat_curve_set *result,
+                         bat_error *error);

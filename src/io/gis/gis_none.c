@@ -22,7 +22,8 @@ bat_status gis_write(const char *path BAT_UNUSED, const char *drivers BAT_UNUSED
     return missing(error);
 }
 
-bat_status gis_text_read(const char *path BAT_UNUSED, file_text *text BAT_UNUSED, bat_error *error)
+bat_status gis_text_read(const char *path BAT_UNUSED, const bat_limits *limits BAT_UNUSED, file_text *text BAT_UNUSED,
+                         bat_error *error)
 {
     return missing(error);
 }
@@ -37,13 +38,8 @@ bat_status gis_to_sphere(bat_curve_set *set BAT_UNUSED, bat_error *error)
     return missing(error);
 }
 
-bat_status gis_to_plane(const bat_curve_set *set BAT_UNUSED, bat_curve_set *plane BAT_UNUSED, bat_error *error)
-{
-    return missing(error);
-}
-
-bat_status gis_to_wgs84(const bat_curve_set *set BAT_UNUSED, const char *crs BAT_UNUSED, bat_curve_set *globe BAT_UNUSED,
-                        bat_error *error)
+bat_status gis_transform(const bat_curve_set *set BAT_UNUSED, const char *crs BAT_UNUSED, gis_target target BAT_UNUSED,
+                         bat_curve_set *result BAT_UNUSED, bat_error *error)
 {
     return missing(error);
 }
