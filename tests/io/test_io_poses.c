@@ -375,6 +375,9 @@ static void joints_of_bvh_are_poses(void **state)
         assert_non_null(strstr(error.text, bad[i].words));
         assert_int_equal(error.line, bad[i].line);
     }
+    bat_curve_read_options named = bat_curve_read_defaults();
+    named.format = BAT_CURVE_FORMAT_BVH;
+    assert_int_equal(bat_curve_read_memory("r 0 0", 5, &named, &set, NULL), BAT_BAD_FILE);
 }
 
 static void the_unit_of_times_can_be_named(void **state)

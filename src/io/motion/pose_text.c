@@ -204,13 +204,12 @@ bat_status poses_read(const file_text *text, bat_curve_format format, const bat_
                       bat_curve_set *set, bool *taken, bat_error *error)
 {
     *taken = true;
-    bat_curve_set made = {0};
     pose_translation *work = calloc(1, sizeof *work);
     if (work == NULL)
         return error_memory(error, sizeof *work);
     work->source = text;
     work->options = options;
-    bool forced = format == BAT_CURVE_FORMAT_EUROC || format == BAT_CURVE_FORMAT_KITTI;
+    bool forced = format == BAT_CURVE_FORMAT_EUROC || format == BAT_CURVE_FORMAT_KITTI || format == BAT_CURVE_FORMAT_BVH;
     bat_status status = BAT_OK;
     if (forced && options->space != NULL && strcmp(options->space, "rigid") != 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s poses are in the space rigid, not %.60s",
@@ -219,6 +218,8 @@ bat_status poses_read(const file_text *text, bat_curve_format format, const bat_
         status = pose_translate_kitti(work, error);
     else if (format == BAT_CURVE_FORMAT_EUROC)
         status = pose_translate_euroc(work, true, error);
+    else if (format == BAT_CURVE_FORMAT_BVH)
+        status = pose_translate_bvh(work, error);
     else if (options->columns == NULL && options->group == NULL)
         status = guess(work, format == BAT_CURVE_FORMAT_CSV, error);
     text_append(&work->text, "", 1);
@@ -228,9 +229,7 @@ bat_status poses_read(const file_text *text, bat_curve_format format, const bat_
         work->text.size--;
     *taken = status != BAT_OK || work->reader != BAT_CURVE_FORMAT_AUTO;
     if (status == BAT_OK && *taken)
-        status = read_translated(work, &made, error);
-    if (status == BAT_OK && *taken)
-        *set = made;
+        status = read_translated(work, set, error);
     text_free(&work->text);
     free(work);
     return status;
