@@ -28,6 +28,14 @@ state() {
 [ "$(state real-meshes)" = 'left out: needs --data' ] || fail "summary.tsv does not say why real-meshes is missing"
 [ "$(wc -l <out/summary.tsv)" -eq $(($(wc -l <names) + 3)) ] || fail "summary.tsv has not one line for each result"
 
+# What exceeds its budget of time is left out, and so are trainings.
+rm out/tension-iss.txt out/mesh-style.txt out/tension-table1.txt
+"$batten" reproduce all -o out --budget 0.01 --without-trainings >printed 2>errors || fail "a result over its budget ends the call"
+[ "$(state tension-table1)" = 'left out: over 0.01 s' ] || fail "summary.tsv does not say that tension-table1 took too long"
+[ "$(state mesh-style)" = 'left out: a training' ] || fail "summary.tsv does not say that mesh-style is a training"
+[ ! -e out/tension-table1.txt ] || fail "a result that was stopped has a file"
+echo 'of mesh-style' >out/mesh-style.txt
+
 # A result that fails leaves no file, and is named; the next call tries it again. Data are found below the folder of all data.
 mkdir -p data/meshes
 for name in $(cat names) tension-iss; do echo '{}' >"out/$name.json"; done

@@ -9,7 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
-// All results into one folder, each by a process of its own, so that one that fails does not stop the others.
+// All results into one folder, each by a process of its own, so that one that fails does not stop the others, and with a
+// budget of time, so that the call ends.
 
 enum
 {
@@ -33,12 +34,12 @@ static void run_result(int argc, char **argv, const char *file)
 /// What became of a result.
 typedef struct outcome
 {
-    const char *state;
+    char state[48];
     double seconds;
 } outcome;
 
-/// Make `file` by the words of a command line.
-static outcome make_result(int argc, char **argv, const char *file)
+/// Make `file` by the words of a command line, which stop it after `budget` seconds.
+static outcome make_result(int argc, char **argv, double budget, const char *file)
 {
     char part[FOLDER_PATH_SIZE + 8];
     (void)snprintf(part, sizeof part, "%s.part", file);
@@ -54,7 +55,12 @@ static outcome make_result(int argc, char **argv, const char *file)
     (void)clock_gettime(CLOCK_MONOTONIC, &end);
     double seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
     bool done = process > 0 && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_DONE && rename(part, file) == 0;
-    return (outcome){done ? "made" : "failed", seconds};
+    outcome made = {.seconds = seconds};
+    if (!done && seconds >= budget)
+        (void)snprintf(made.state, sizeof made.state, "left out: over %.4g s", budget);
+    else
+        (void)strcpy(made.state, done ? "made" : "failed");
+    return made;
 }
 
 /// FOLDER/KIND where there is such a folder, else FOLDER.
@@ -68,8 +74,9 @@ static const char *folder_of_kind(const char *folder, const char *kind, char pat
 /// Make one result, or tell why not.
 static outcome make_row(const reproduce_job *job, const reproduce_part *part, char file[FOLDER_PATH_SIZE])
 {
-    char name[64], folder[FOLDER_PATH_SIZE], data[FOLDER_PATH_SIZE], quick[128], *words[MAX_WORDS];
-    char output[] = "-o", from[] = "--data", as_json[] = "--json", verb_name[] = "reproduce", what[64];
+    char name[64], folder[FOLDER_PATH_SIZE], data[FOLDER_PATH_SIZE], quick[128], budget[32], *words[MAX_WORDS];
+    char most[] = "--max-seconds", output[] = "-o", from[] = "--data", as_json[] = "--json", verb_name[] = "reproduce",
+         what[64];
     int count = 0;
     (void)snprintf(what, sizeof what, "%s", part->name);
     (void)snprintf(name, sizeof name, "%s.%s", part->name, job->call.json ? "json" : "txt");
@@ -80,10 +87,15 @@ static outcome make_row(const reproduce_job *job, const reproduce_part *part, ch
         return (outcome){"kept", 0};
     if (strcmp(quick, "-") == 0)
         return (outcome){"left out: long", 0};
+    if (part->trains && job->without_trainings)
+        return (outcome){"left out: a training", 0};
     if (job->data == NULL && part->needs_data)
         return (outcome){"left out: needs --data", 0};
     words[count++] = verb_name;
     words[count++] = what;
+    (void)snprintf(budget, sizeof budget, "%.17g", job->budget);
+    words[count++] = most;
+    words[count++] = budget;
     if (part->has_folder)
     {
         words[count++] = output;
@@ -100,7 +112,7 @@ static outcome make_row(const reproduce_job *job, const reproduce_part *part, ch
     char *rest = NULL;
     for (char *word = strtok_r(quick, " ", &rest); word != NULL && count < MAX_WORDS; word = strtok_r(NULL, " ", &rest))
         words[count++] = word;
-    return make_result(count, words, file);
+    return make_result(count, words, job->budget, file);
 }
 
 int reproduce_all(const reproduce_job *job)

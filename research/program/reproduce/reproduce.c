@@ -28,7 +28,8 @@ enum
     COUNTS = 65536,    ///< takes a number of random inputs
     CLOUDS = ABLATES | DRAWS | SCANS | MAKES,
     MAX_SHAPES = MAX_POSITIONAL - 1,
-    MAX_NUMBER = 1000000
+    MAX_NUMBER = 1000000,
+    DEFAULT_BUDGET = 1800
 };
 
 typedef struct result
@@ -127,6 +128,7 @@ bool reproduce_part_at(size_t index, reproduce_part *part)
         .quick = row->quick,
         .needs_data = row->marks & (TRUTH | SCANS | SUBDIVIDES),
         .has_folder = row->marks & (WITH_FOLDER | ALWAYS | TRAINING),
+        .trains = row->marks & TRAINING,
     };
     return true;
 }
@@ -153,6 +155,11 @@ static const option_spec OPTIONS[] = {
      WHOLE(reproduce_job, seed, 0, 1000000000)},
     {"quick", NULL, METHOD, 0, "all: smaller trainings and fewer cases; leaves out what takes minutes all the same",
      FLAG(reproduce_job, quick)},
+    {"budget", "S", METHOD, 0,
+     "all: seconds for each result, which is left out when they are over; the next call goes on with a training; default "
+     "1800",
+     POSITIVE(reproduce_job, budget)},
+    {"without-trainings", NULL, METHOD, 0, "all: leaves out what trains networks", FLAG(reproduce_job, without_trainings)},
     {"uninformed", "FILE", METHOD, 0,
      "surface-ablation: a network that does not know the boundary, beside --model; else it is trained",
      TEXT(reproduce_job, uninformed)},
@@ -196,6 +203,8 @@ static bool check_options(const arguments *given, const result *what)
         {argument(given, "output") != NULL && !has_folder, "%s has no pictures to put into a folder"},
         {marks & WHOLE_SET && argument(given, "output") == NULL, "%s needs -o FOLDER for its files"},
         {argument(given, "quick") != NULL && !(marks & WHOLE_SET), "%s is not shortened: --quick goes with all"},
+        {(argument(given, "budget") != NULL || argument(given, "without-trainings") != NULL) && !(marks & WHOLE_SET),
+         "--budget and --without-trainings go with all"},
         {model && !(marks & MODEL), "%s has no row for a model"},
         {argument(given, "seed") != NULL && !(marks & SEED), "%s has no chance in it for a seed"},
         {argument(given, "set") != NULL && !(marks & OTHER_SETS), "%s has no other curves: --set goes with tension-table1"},
@@ -232,6 +241,7 @@ static void begin(void *to)
     reproduce_job *job = to;
     job->seed = 1;
     job->corrections = 1;
+    job->budget = DEFAULT_BUDGET;
 }
 
 static bool check(void *of)

@@ -11,7 +11,7 @@ typedef struct reproduce_part
     const char *name, *summary;
     const char *kind;  ///< "meshes": what it reads from a folder, and the name of that folder in one for all; null for none
     const char *quick; ///< further words of a quick run; "-" where there is none; null where all runs are quick
-    bool needs_data, has_folder;
+    bool needs_data, has_folder, trains;
 } reproduce_part;
 
 /// As reproduce_row().
@@ -20,12 +20,14 @@ bool reproduce_part_at(size_t index, reproduce_part *part);
 /// The job of `batten reproduce`.
 typedef struct reproduce_job
 {
-    verb_call call;     ///< its files are the pictures
-    size_t index;       ///< of the result
-    const char *folder; ///< for pictures or trainings; null for none
-    bool quick;         ///< of all results
-    bool made;          ///< the folder, by this call, and no picture is in it yet
-    const char *model;  ///< the file of a network; null for none
+    verb_call call;         ///< its files are the pictures
+    size_t index;           ///< of the result
+    const char *folder;     ///< for pictures or trainings; null for none
+    bool quick;             ///< of all results
+    bool without_trainings; ///< of all results
+    double budget;          ///< seconds for each of all results
+    bool made;              ///< the folder, by this call, and no picture is in it yet
+    const char *model;      ///< the file of a network; null for none
     uint64_t seed;
     bat_tension_set_kind curves; ///< set of curves for table 1
     const char *const *shapes;   ///< files of meshes, `shape_count` of them
