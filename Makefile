@@ -104,6 +104,7 @@ web: web-packages
 
 web-test: web all
 	@web/test/run engine build/release/batten
+	@web/test/run fuzz build/release/batten
 	@web/test/run bundles build/release/batten
 	@web/test/run page build/release/batten
 	@web/test/run firefox build/release/batten || [ $$? -eq 77 ]

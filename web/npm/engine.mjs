@@ -171,13 +171,15 @@ export async function instantiate(source) {
       if (input.handle === 0) throw new BattenError({ name: "invalid argument", text: "the curves were freed" });
       return input.handle;
     }
-    const list = Array.isArray(input) ? input : [input];
+    const list = Array.isArray(input) ? Array.from(input) : [input];
+    if (list.length === 0) throw refused("there are no curves");
     if (list.some((curve) => typeof curve !== "object" || curve === null)) throw refused("a curve must be an object with points");
     const arrays = list.map((curve) => asDoubles(curve.points, "points"));
-    const first = list[0] ?? {};
-    let dim = first.point_dim ?? 0;
-    const probe = pointDim(first.space ?? "plane", dim || (first.points?.[0]?.length ?? 0));
-    dim = probe;
+    const first = list[0];
+    const { space = "plane", point_dim = 0 } = first;
+    if (typeof space !== "string") throw refused("space must be a text");
+    if (!Number.isInteger(point_dim) || point_dim < 0) throw refused("point_dim must be a whole number");
+    const dim = pointDim(space, point_dim || (first.points[0]?.length ?? 0));
     const counts = arrays.map((points) => {
       if (points.length % dim !== 0)
         throw new BattenError({ name: "invalid argument", text: `${points.length} numbers are no points of ${dim} each` });
@@ -187,15 +189,20 @@ export async function instantiate(source) {
     const cornered = list.some((curve) => curve.corners != null);
     const channels = channelled ? list.map((curve) => asDoubles(curve.channels, "channels")) : [];
     const layout = {
-      space: first.space ?? "plane",
+      space,
       point_dim: dim,
       counts,
       closed: list.map((curve) => Boolean(curve.closed)),
       channel_count: channelled ? channels[0].length / counts[0] : 0,
     };
     channels.forEach((values, i) => {
-      if (values.length !== layout.channel_count * counts[i])
+      if (!Number.isInteger(layout.channel_count) || values.length !== layout.channel_count * counts[i])
         throw new BattenError({ name: "invalid argument", text: "channels need as many numbers for each point" });
+    });
+    const flags = list.map(({ corners }, i) => {
+      const row = corners == null ? [] : asNumbers(corners, Uint8Array, Number.isFinite, "corners");
+      if (corners != null && row.length !== counts[i]) throw refused("corners need a flag for each point");
+      return Uint8Array.from({ length: counts[i] }, (_, k) => (row[k] ? 1 : 0));
     });
     const joined = (parts, Type) => {
       const all = new Type(parts.reduce((sum, part) => sum + part.length, 0));
@@ -206,13 +213,8 @@ export async function instantiate(source) {
       }
       return all;
     };
-    const addresses = [putText(JSON.stringify(layout)), put(joined(arrays, Float64Array))];
+    const addresses = [putText(asJson(layout)), put(joined(arrays, Float64Array))];
     addresses.push(channelled ? put(joined(channels, Float64Array)) : 0);
-    const flags = list.map((curve, i) => {
-      const row = new Uint8Array(counts[i]);
-      (curve.corners ?? []).forEach((flag, k) => (row[k] = flag ? 1 : 0));
-      return row;
-    });
     addresses.push(cornered ? put(joined(flags, Uint8Array)) : 0);
     const handle = exports.engine_curves(...addresses);
     addresses.forEach((address) => exports.engine_release(address));
@@ -223,14 +225,15 @@ export async function instantiate(source) {
 
   /** The coordinates of a point of a space; `wanted` where the space has any number of them. */
   function pointDim(space, wanted) {
-    const known = { plane: 2, sphere: 3, disk: 2, rotation: 4, rigid: 7 };
+    const known = { __proto__: null, plane: 2, sphere: 3, disk: 2, rotation: 4, rigid: 7 };
     if (space !== "sphere" && known[space]) return known[space];
-    return wanted || { sphere: 3, euclidean: 3, spd: 6, hyperbolic: 3 }[space] || 1;
+    return wanted || { __proto__: null, sphere: 3, euclidean: 3, spd: 6, hyperbolic: 3 }[space] || 1;
   }
 
+  const isRow = (row) => Array.isArray(row) || ArrayBuffer.isView(row);
   /** The offsets of polygons that are rows of corners. */
   function offsetsOf(rows) {
-    if (!Array.isArray(rows?.[0])) throw new BattenError({ name: "invalid argument", text: "polygons need rows of corners, or offsets" });
+    if (!Array.isArray(rows) || rows.length === 0 || !rows.every(isRow)) throw refused("polygons need rows of corners, or offsets");
     const offsets = new Uint32Array(rows.length + 1);
     rows.forEach((row, i) => (offsets[i + 1] = offsets[i] + row.length));
     return offsets;
@@ -249,12 +252,18 @@ export async function instantiate(source) {
       const numbers = values == null ? [] : convert(values, name);
       return numbers.length > 0 ? [put(numbers), numbers.length] : undefined;
     };
-    const { channel_names, creases, corners, labels, material_files, material_json, rules } = mesh;
-    const triangles = mesh.offsets == null && (!Array.isArray(mesh.faces?.[0]) || mesh.faces.every((row) => row.length === 3));
+    // Rows of vertices and a sharpness; JSON has no infinity.
+    const sharp = (name, vertices) =>
+      mesh[name]?.map((row) => {
+        if (!isRow(row) || row.length !== vertices + 1 || typeof row[vertices] !== "number" || !(row[vertices] >= 0)) throw refused(`${name} must hold rows of ${vertices} vertices and a sharpness`);
+        return [...asIndices(row.slice(0, vertices), name), Math.min(row[vertices], Number.MAX_VALUE)];
+      });
+    const { channel_names, labels, material_files, material_json, rules } = mesh;
+    const triangles = mesh.offsets == null && (!isRow(mesh.faces?.[0]) || mesh.faces.every((row) => row?.length === 3));
     const offsets = mesh.offsets ?? (polygons || !triangles ? offsetsOf(mesh.faces) : null);
     // The module takes the arrays.
     const layout = putText(
-      JSON.stringify({
+      asJson({
         positions: array("positions", asDoubles),
         faces: array("faces", asIndices),
         offsets: array("offsets", asIndices, offsets),
@@ -262,7 +271,9 @@ export async function instantiate(source) {
         texture_faces: array("texture_faces", asIndices),
         channels: array("channels", asDoubles),
         face_labels: array("face_labels", asIndices),
-        channel_names, creases, corners, labels, material_files, material_json, rules,
+        creases: sharp("creases", 2),
+        corners: sharp("corners", 1),
+        channel_names, labels, material_files, material_json, rules,
       }),
     );
     const handle = exports.engine_mesh(layout);
@@ -348,7 +359,11 @@ export async function instantiate(source) {
     }
     return all;
   };
-  const asBytes = (data) => (typeof data === "string" ? encoder.encode(data) : new Uint8Array(data.buffer ?? data, data.byteOffset ?? 0, data.byteLength));
+  const asBytes = (data) => {
+    if (typeof data === "string") return encoder.encode(data);
+    if (!ArrayBuffer.isView(data) && !(data instanceof ArrayBuffer)) throw refused("a file must be a text, a typed array or an ArrayBuffer");
+    return new Uint8Array(data.buffer ?? data, data.byteOffset ?? 0, data.byteLength);
+  };
   /** The curves of a result, one for one curve, each with the space of all. */
   const plain = (result, single) => {
     const list = result.curves.map((curve) => ({ space: result.space, point_dim: result.point_dim, ...curve }));
@@ -367,8 +382,8 @@ export async function instantiate(source) {
     bat_version: () => text(exports.engine_version()),
     bat_choices: (family) => {
       families ??= JSON.parse(takeText(exports.engine_families()));
-      if (family !== undefined && !Object.hasOwn(families, family))
-        throw new BattenError({ name: "invalid argument", text: `no family '${family}'; there are ${Object.keys(families).join(", ")}` });
+      if (family !== undefined && !(typeof family === "string" && Object.hasOwn(families, family)))
+        throw refused(`no family '${typeof family === "string" ? family : typeof family}'; there are ${Object.keys(families).join(", ")}`);
       return structuredClone(family === undefined ? families : families[family]);
     },
     bat_curve_refine: refined("bat_curve_refine"),
@@ -393,8 +408,10 @@ export async function instantiate(source) {
       if (set instanceof CurveSet) return run("bat_motion_curves", [curves(set)], options, { keep: true });
       return plain(run("bat_motion_curves", [curves(set)], options), !Array.isArray(set));
     },
-    bat_motion_spline_sample: ({ times, ...keys }, at, options) =>
-      run("bat_motion_spline_sample", [curves(times ? { ...keys, channels: times } : keys)], options, { data: asDoubles(at) }),
+    bat_motion_spline_sample: (given, at, options) => {
+      const { times, ...keys } = given ?? {};
+      return run("bat_motion_spline_sample", [curves(times ? { ...keys, channels: times } : keys)], options, { data: asDoubles(at) });
+    },
     bat_mesh_refine: (coarse, options) => run("bat_mesh_refine", [mesh(coarse)], options),
     bat_mesh_scheme_for: (coarse) => run("bat_mesh_scheme_for", [mesh(coarse)]).scheme,
     bat_mesh_limit_normals: (refinedMesh) => run("bat_mesh_limit_normals", [mesh(refinedMesh)]).values,

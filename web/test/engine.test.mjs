@@ -427,6 +427,24 @@ describe("untrusted input", () => {
     refuses(() => batten.bat_curve_refine(null));
     refuses(() => batten.bat_curve_refine({ points: [0, "1"] }));
     refuses(() => batten.bat_curve_refine({ points: [[0, 0], [1, 0], [1, 1]], channels: "text" }));
+    const curve = { points: [[0, 0], [1, 0], [1, 1]] };
+    for (const other of [[], new Array(2), { ...curve, space: Symbol("s") }, { ...curve, space: {} }, { ...curve, point_dim: 2n }, { ...curve, corners: 1 }, { ...curve, corners: [1] }])
+      refuses(() => batten.bat_curve_refine(other));
+    for (const creases of [[["0", 1, 3]], [[0, 2 ** 32 + 1, 3]], [[0, 1, Number.NaN]], [[0, 1]], [[0, 1n, 2]], [7]]) refuses(() => batten.bat_mesh_refine({ ...mesh, creases }));
+    refuses(() => batten.bat_mesh_refine({ ...mesh, corners: [[0, "1"]] }));
+    refuses(() => batten.bat_mesh_refine({ ...mesh, rules: { boundary: 1n } }));
+    refuses(() => batten.bat_polygon_mesh_refine({ ...mesh, faces: [[0, 1, 2], null] }));
+    refuses(() => batten.bat_mesh_read_memory(5));
+    refuses(() => batten.bat_motion_spline_sample(null, [0]));
+    refuses(() => batten.bat_choices(Symbol("s")));
+  });
+  test("an infinite sharpness lasts for ever", () => {
+    const [crease] = batten.bat_mesh_refine({ ...cube(), creases: [[0, 1, Infinity]] }, { scheme: "loop", levels: 1 }).creases;
+    assert.ok(crease[2] >= 10);
+  });
+  test("more candidates than edges are all edges", () => {
+    const coarse = (candidates) => batten.bat_mesh_decimate(cube(), { vertices: 6, candidates }).positions;
+    assert.deepEqual(coarse(2 ** 31), coarse(0));
   });
   test("2,000,000 faces are refined", () => {
     const side = 1000;
