@@ -56,6 +56,8 @@ static outcome make_result(int argc, char **argv, double budget, const char *fil
     double seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
     bool done = process > 0 && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_DONE && rename(part, file) == 0;
     outcome made = {.seconds = seconds};
+    if (!done)
+        (void)unlink(part);
     if (!done && seconds >= budget)
         (void)snprintf(made.state, sizeof made.state, "left out: over %.4g s", budget);
     else
