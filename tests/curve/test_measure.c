@@ -422,9 +422,33 @@ static void summaries(void **state)
     check_status(bat_curve_summarize(bad, 0, &summary, &error), BAT_INVALID_ARGUMENT);
 }
 
+/// The tables name each measure once, by the place of its field; there are measures of one curve and of two.
+static void measures_are_listed(void **state)
+{
+    (void)state;
+    bat_measure measure, other;
+    bool found[2] = {false, false};
+    for (size_t curves = 1; curves <= 2; curves++)
+        for (size_t i = 0; bat_curve_measures(curves, i, &measure); i++)
+        {
+            bool hausdorff = strcmp(measure.name, "hausdorff") == 0, bending = strcmp(measure.name, "bending") == 0;
+            assert_true(!hausdorff || measure.offset == offsetof(bat_curve_distance, hausdorff));
+            assert_true(!bending || measure.offset == offsetof(bat_curve_fairness_values, bending));
+            found[curves - 1] = found[curves - 1] || (curves == 1 ? bending : hausdorff);
+            for (size_t k = 0; k < i; k++)
+            {
+                assert_true(bat_curve_measures(curves, k, &other));
+                assert_true(strcmp(other.name, measure.name) != 0 && other.offset != measure.offset);
+            }
+        }
+    assert_true(found[0] && found[1]);
+    assert_false(bat_curve_measures(0, 0, &measure) || bat_curve_measures(3, 0, &measure));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(measures_are_listed),
         cmocka_unit_test(concentric_circles),
         cmocka_unit_test(the_two_ways_differ),
         cmocka_unit_test(distances_to_edges_ignore_the_sampling),
