@@ -278,8 +278,8 @@ static void corners_commute_with_symmetries(void **state)
                 const double *p = fine.points + 2 * i, *q = fine.points + 2 * ((i + shift) % n);
                 for (size_t k = 0; k < 2; k++)
                 {
-                    check_near(back.points[2 * ((n - i) % n) + k], p[k], s == 0 ? 1e-8 : 1e-13); // single precision
-                    check_near(other.points[2 * i + k], k == 0 ? -p[0] : p[1], s == 0 ? 1e-8 : 1e-15);
+                    check_near(back.points[2 * ((n - i) % n) + k], p[k], s == 0 ? 3e-8 : 1e-13); // single precision
+                    check_near(other.points[2 * i + k], k == 0 ? -p[0] : p[1], s == 0 ? 3e-8 : 1e-15);
                     check_near(moved.points[2 * i + k], q[k], 1e-15);
                 }
                 assert_int_equal(back.corners[(n - i) % n], fine.corners[i]);
