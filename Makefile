@@ -80,7 +80,7 @@ coverage: dependencies
 	@$(call configure,coverage) && $(call compile,coverage)
 	@find build/coverage -name '*.gcda' -delete
 	@$(call test,coverage) --exclude-regex '^package_' || true
-	@scripts/coverage build/coverage
+	@scripts/coverage build/coverage --kinds
 
 fuzz: ci-dependencies
 	@$(call configure,fuzz) && $(call compile,fuzz) --target fuzzers
