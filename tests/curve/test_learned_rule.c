@@ -471,6 +471,37 @@ static void short_curves_are_refined(void **state)
             }
 }
 
+/// The brake of rough lines: 12 vertices of a ring tell nothing, 24 do.
+static void small_rings_have_no_brake(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(11);
+    const bat_curve_angle_rule network = learned_rule(weights_learned.arrays[0].values);
+    bat_space plane = bat_euclidean(2);
+    for (size_t count = 12; count <= 24; count += 12)
+    {
+        double points[2 * 24];
+        for (size_t i = 0; i < count; i++)
+        {
+            double angle = 6.283185307179586 * ((double)i + 0.3 * bat_random_uniform(&random)) / (double)count;
+            double radius = (i % 2 == 0 ? 1 : 0.8) + 0.1 * bat_random_uniform(&random);
+            points[2 * i] = radius * cos(angle);
+            points[2 * i + 1] = radius * sin(angle);
+        }
+        bat_curve ring = {.space = &plane, .points = points, .count = count, .closed = true};
+        bat_curve_refine_options how = bat_curve_refine_defaults();
+        how.scheme = bat_curve_scheme_learned(0);
+        bat_curve braked = refined(&ring, &how);
+        how.scheme = bat_curve_scheme_angle_rule(&network);
+        how.scheme.fairness = 0;
+        bat_curve free_of_brakes = refined(&ring, &how);
+        bool same = memcmp(braked.points, free_of_brakes.points, 2 * braked.count * sizeof(double)) == 0;
+        assert_int_equal(same, count == 12);
+        bat_curve_free(&braked);
+        bat_curve_free(&free_of_brakes);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -487,6 +518,7 @@ int main(void)
         cmocka_unit_test(fairness_out_of_range_is_refused),
         cmocka_unit_test(other_spaces_are_refused),
         cmocka_unit_test(short_curves_are_refined),
+        cmocka_unit_test(small_rings_have_no_brake),
     };
     return cmocka_run_group_tests(tests, make_sets, free_sets);
 }

@@ -16,6 +16,8 @@ static const double ROUGH[2] = {0.6, 0.8}, UNEVEN[2] = {0.06, 0.25}, SIMPLIFIED[
 /// What makes an edge of a simplified line straight: how much longer than the mean it is, as a logarithm, and that it would
 /// bend by so many least deviations.
 static const double LONGER = 0.22, FARTHER = 1.5, LOW = 0.9;
+/// Angles that differ by less are equal but for rounding.
+static const double SAME = 1e-6;
 /// Vertices with smaller angles count as nearly straight.
 static const double NEARLY_STRAIGHT = 0.1;
 
@@ -24,7 +26,8 @@ enum
     R = LEARNED_REACH,
     W = LEARNED_RANGE,
     MIDDLE = LEARNED_MIDDLE,
-    FEWEST = 6 ///< deviations that tell how a line was sampled
+    FEWEST = 6,         ///< deviations that tell how a line was sampled
+    FEWEST_OF_RING = 13 ///< vertices of a ring that do
 };
 
 learned_turns learned_turns_of(const double *angles, const double *lengths)
@@ -180,6 +183,20 @@ static double ramp(double x, double low, double high)
     return fmin(fmax((x - low) / (high - low), 0), 1);
 }
 
+/// Whether the angles repeat after so few vertices that they do not tell how a line was sampled: those of a small ring.
+static bool repeat_soon(const double *angles)
+{
+    for (int period = 1; period < FEWEST_OF_RING; period++)
+    {
+        int i = 1 - W;
+        while (i + period <= W && fabs(angles[i] - angles[i + period]) <= SAME)
+            i++;
+        if (i + period > W)
+            return true;
+    }
+    return false;
+}
+
 double learned_braked(const double *angles, const learned_logs *logs, double wanted, double angle)
 {
     moments deviations = moments_make(), areas = moments_make(), sizes = moments_make();
@@ -200,7 +217,7 @@ double learned_braked(const double *angles, const learned_logs *logs, double wan
         same += paired && angles[i] * angles[i + 1] > 0;
         pairs += paired;
     }
-    if (count < FEWEST)
+    if (count < FEWEST || repeat_soon(angles))
         return angle;
     for (size_t i = 0; i < count; i++)
         low += found[i] <= deviations.least + LOW;
