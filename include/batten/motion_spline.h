@@ -120,8 +120,9 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// Make the spline through keys at their times. On the interval between two keys it is the exponential, at the middle of
 /// their shortest geodesic, of a cubic polynomial. Without given velocities those at the keys solve a system that makes
 /// (covariant) accelerations continuous; the error against a smooth motion is O(h^4). With given velocities the spline takes
-/// them, and accelerations jump. Reversing time reverses the motion. Factors of a product have splines of their own, so do
-/// translations and rotations of bat_rigid(). Tensors have the cubic spline of their logarithms, which exists for all keys.
+/// them, and accelerations jump; less so in R^n, where the polynomial then has degree 5. Reversing time reverses the motion.
+/// Factors of a product have splines of their own, so do translations and rotations of bat_rigid(). Tensors have the cubic
+/// spline of their logarithms, which exists for all keys.
 ///
 /// For rotations this is the construction of Kang and Park (Cubic spline algorithms for orientation interpolation, 1999) and
 /// of scipy's RotationSpline, moved from the beginning of the interval to its middle. In R^n it is the cubic spline.

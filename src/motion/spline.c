@@ -181,6 +181,14 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     spline->factor_count = spline_factors(space, spline->factors, MAX_FACTORS);
     if (spline->factor_count == 0)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the product has more than %d factors", MAX_FACTORS);
+    for (size_t i = 0; i < spline->factor_count; i++)
+    {
+        spline_factor *f = &spline->factors[i];
+        f->quintic = f->kind == FACTOR_FLAT && keys->tangents != NULL;
+        for (size_t k = 0; k < keys->count && f->quintic; k++)
+            f->quintic = !isnan(keys->tangents[k * space->tangent_dim + f->tangent_at]);
+        f->record_at = i > 0 ? f[-1].record_at + spline_factor_record_size(f - 1) : 0;
+    }
     // Most spaces have one factor or two.
     spline_factor *fitted = realloc(spline->factors, spline->factor_count * sizeof *fitted);
     spline->factors = fitted != NULL ? fitted : spline->factors;

@@ -369,9 +369,7 @@ static size_t append(const bat_space *space, size_t point_at, size_t tangent_at,
                        : space_is_curved(space, &curvature) ? FACTOR_CURVED
                        : space_is_positive_definite(space)  ? FACTOR_TENSOR
                                                             : FACTOR_ANY;
-    *f = (spline_factor){kind, *space, curvature, point_at, tangent_at, 0};
-    if (count > 0)
-        f->record_at = f[-1].record_at + spline_factor_record_size(&f[-1]);
+    *f = (spline_factor){kind, *space, curvature, point_at, tangent_at, 0, false};
     return count + 1;
 }
 
@@ -383,7 +381,7 @@ size_t spline_factors(const bat_space *space, spline_factor *factors, size_t lim
 
 size_t spline_factor_record_size(const spline_factor *f)
 {
-    return (f->kind == FACTOR_FLAT ? 0 : f->space.point_dim) + 4 * f->space.tangent_dim;
+    return (f->kind == FACTOR_FLAT ? 0 : f->space.point_dim) + (f->quintic ? 6 : 4) * f->space.tangent_dim;
 }
 
 /// The share of a long way of the middle. The differential of exp is singular at whole turns.
@@ -485,6 +483,21 @@ static void polynomial_at(size_t n, const double *c, double s, double *value, do
         second[i] = 2 * c2[i] + 6 * s * c3[i];
 }
 
+static void flat_at(const spline_factor *f, const double *c, double s, double *value, double *first, double *second)
+{
+    size_t n = f->space.point_dim;
+    const double *c4 = c + 4 * n, *c5 = c + 5 * n;
+    polynomial_at(n, c, s, value, first, second);
+    for (size_t i = 0; i < n && f->quintic; i++)
+    {
+        value[i] += s * s * s * s * (c4[i] + s * c5[i]);
+        if (first != NULL)
+            first[i] += s * s * s * (4 * c4[i] + 5 * s * c5[i]);
+        if (second != NULL)
+            second[i] += s * s * (12 * c4[i] + 20 * s * c5[i]);
+    }
+}
+
 static void rotation_at(const double *record, double share, double *point, double *velocity, double *acceleration)
 {
     const double *coefficients = record + 4;
@@ -531,7 +544,7 @@ bat_status spline_factor_at(const spline_factor *f, const double *record, double
                             double *acceleration)
 {
     if (f->kind == FACTOR_FLAT)
-        polynomial_at(f->space.point_dim, record, share, point, velocity, acceleration);
+        flat_at(f, record, share, point, velocity, acceleration);
     else if (f->kind == FACTOR_ROTATION)
         rotation_at(record, share, point, velocity, acceleration);
     else
@@ -603,12 +616,12 @@ bat_status spline_factor_run(const spline_factor *f, const double *record, const
                              double *points, size_t stride)
 {
     bat_status status = BAT_OK;
-    if (f->kind == FACTOR_FLAT)
+    if (f->kind == FACTOR_FLAT && !f->quintic)
         flat_run(f->space.point_dim, record, shares, count, points, stride);
     else if (f->kind == FACTOR_ROTATION)
         rotation_run(record, shares, count, points, stride);
     else
         for (size_t i = 0; i < count && status == BAT_OK; i++)
-            status = curve_at(f, record, shares[i], points + i * stride, NULL, NULL);
+            status = spline_factor_at(f, record, shares[i], points + i * stride, NULL, NULL);
     return status;
 }

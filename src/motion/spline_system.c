@@ -871,6 +871,54 @@ bat_status spline_system_finish(spline_system *system, bat_error *error)
     return BAT_OK;
 }
 
+/// What the second derivative by the share, at an end of an interval of R^n, changes from the cubic to the quintic through
+/// three keys with velocities. A shorter interval beside it tells less: it makes more of the noise of velocities.
+static void change_of_bend(const spline_system *system, size_t i, size_t end, double *change)
+{
+    size_t n = size_of(system), other = 0, keys[3] = {0};
+    memset(change, 0, n * sizeof *change);
+    if (!place_at(system, i, end == 0 ? -1 : 1, system->intervals, &other))
+        return;
+    keys[end == 0 ? 0 : 1] = i;
+    keys[end == 0 ? 1 : 0] = key_after(system, i);
+    keys[2] = end == 0 ? other : key_after(system, other);
+    double b = system->lengths[i], a = system->lengths[other], sign = end == 0 ? 1 : -1, bent = 0;
+    for (size_t c = 0; c < n; c++)
+    {
+        const double *logs[] = {at_end(system, system->logs, i, 0) + c, at_end(system, system->logs, other, 0) + c};
+        double u[3], d = sign * (logs[0][n] - logs[0][0]) / b, e = sign * (logs[1][n] - logs[1][0]) / a;
+        for (size_t k = 0; k < 3; k++)
+            u[k] = sign * of_key(system, system->velocities, keys[k])[c];
+        // Divided differences of order 3, 4 and 5.
+        double after = (u[0] + u[1] - 2 * d) / (b * b), before = (u[0] + u[2] - 2 * e) / (a * a);
+        double mixed = ((d - u[0]) / b - (u[0] - e) / a) / (a + b);
+        change[c] = 2 * pow(b, 4) * ((after - mixed) / (a + b) + a * (after - 2 * mixed + before) / pow(a + b, 2));
+        bent += pow(3 * d - 2 * u[0] - u[1], 2);
+    }
+    for (size_t c = 0; c < n; c++) // an interval that does not bend may rest
+        change[c] *= bent > 0 ? fmin(1, a / b) : 0;
+}
+
+/// Make the cubic of an interval a quintic, as far as its ends agree on how the bend changes: noise of the velocities
+/// changes it in opposite ways.
+static void raise_degree(const spline_system *system, size_t interval, double *record)
+{
+    size_t n = size_of(system);
+    double changes[2][DIM];
+    for (size_t end = 0; end < 2; end++)
+        change_of_bend(system, interval, end, changes[end]);
+    double squares = vector_square(n, changes[0]) + vector_square(n, changes[1]);
+    double agreed = squares > 0 ? fmax(2 * vector_dot(n, changes[0], changes[1]) / squares, 0) : 0;
+    for (size_t c = 0; c < n; c++)
+    {
+        double p = agreed * changes[0][c] / 2, q = agreed * changes[1][c] / 2; // of s^2 (1 - s)^3 and of s^3 (1 - s)^2
+        record[2 * n + c] += p;
+        record[3 * n + c] += q - 3 * p;
+        record[4 * n + c] = 3 * p - 2 * q;
+        record[5 * n + c] = q - p;
+    }
+}
+
 void spline_system_record(const spline_system *system, size_t interval, double *record)
 {
     size_t n = size_of(system), dim = system->factor->space.point_dim;
@@ -890,4 +938,6 @@ void spline_system_record(const spline_system *system, size_t interval, double *
         record[2 * n + c] = 3 * chord - 2 * u0[c] - u1[c];
         record[3 * n + c] = u0[c] + u1[c] - 2 * chord;
     }
+    if (system->factor->quintic)
+        raise_degree(system, interval, record);
 }

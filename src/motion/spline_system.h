@@ -26,6 +26,7 @@ typedef struct spline_factor
     size_t point_at;   ///< place in a point of the whole space
     size_t tangent_at; ///< place in a tangent vector of the whole space
     size_t record_at;  ///< place in an interval's record
+    bool quintic;      ///< FACTOR_FLAT, with all velocities given: c has degree 5
 } spline_factor;
 
 /// A curve in a tangent space at one parameter: its value and its first three derivatives.
