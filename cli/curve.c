@@ -164,7 +164,8 @@ static const option_spec MOTION_VERB_OPTIONS[] = {
      "both",
      NO_FIELD},
     {"gyro", "FILE", METHOD, IS_READ,
-     "spline: rates of a gyroscope between the keyframes, a table of times and rates about x, y and z (rad/s)",
+     "spline: rates of a gyroscope between the keyframes, a table of times and rates about x, y and z (rad/s), then "
+     "accelerations",
      TEXT(curve_job, gyro_file)},
     {"uncertainty", NULL, METHOD, 0, "with --sigma or --gyro: write velocities and the standard deviations of the motion",
      FLAG(curve_job, motion.uncertainty)},

@@ -58,7 +58,6 @@ typedef struct curve_job
     const char *times_file; ///< of a motion; null for none
     double *times;          ///< what it holds
     const char *gyro_file;  ///< of a motion; null for none
-    double *gyro_times, *gyro_rates;
     bat_motion_gyro gyro; ///< what it holds
     const char *scheme;   ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;

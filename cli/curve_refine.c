@@ -185,10 +185,8 @@ static int read_curves(curve_job *job)
         bat_motion_times_read(job->times_file, &job->coarse, &job->times, &job->motion.time_count, report_error()) != BAT_OK)
         return report_bad_input(job->call.given, job->times_file, report_error());
     job->motion.times = job->times;
-    if (job->gyro_file != NULL && bat_motion_rates_read(job->gyro_file, &job->coarse, &job->gyro_times, &job->gyro_rates,
-                                                        &job->gyro.count, report_error()) != BAT_OK)
+    if (job->gyro_file != NULL && bat_motion_gyro_read(job->gyro_file, &job->coarse, &job->gyro, report_error()) != BAT_OK)
         return report_bad_input(job->call.given, job->gyro_file, report_error());
-    job->gyro = (bat_motion_gyro){job->gyro_times, job->gyro_rates, job->gyro.count};
     job->motion.spline.gyro = job->gyro_file != NULL ? &job->gyro : NULL;
     if (job->scheme == NULL)
         choose_scheme(job);
@@ -604,6 +602,21 @@ static json_t *report_gyro(const curve_job *job, bool as_json)
                        sigma[0], sigma[1], sigma[2], gyro->walk);
 }
 
+static json_t *report_force(const curve_job *job, bool as_json)
+{
+    const bat_motion_force_report *force = &job->findings.moved.force;
+    const double *bias = force->bias, *sigma = force->bias_sigma, *g = force->gravity;
+    return report_part(
+        as_json,
+        "accelerometer[!used? not used]: tells {explained:.3g} of the energy of the keyframes' accelerations; "
+        "bias {bias_x:.3g}, {bias_y:.3g}, {bias_z:.3g}, +- {sigma_x:.2g}, {sigma_y:.2g}, {sigma_z:.2g}; "
+        "gravity {gravity_x:.4g}, {gravity_y:.4g}, {gravity_z:.4g}; noise {noise:.3g}\n",
+        "explained:n bias_x:n bias_y:n bias_z:n sigma_x:n sigma_y:n sigma_z:n gravity_x:n gravity_y:n "
+        "gravity_z:n noise:n used:b",
+        force->explained, bias[0], bias[1], bias[2], sigma[0], sigma[1], sigma[2], g[0], g[1], g[2], force->noise,
+        (int)force->used);
+}
+
 /// Rotations that go another way than the shortest.
 static json_t *report_turned(const curve_job *job, bool as_json)
 {
@@ -689,6 +702,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     json_t *noise = noisy ? report_noise(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
     json_t *gyro = job->gyro_file != NULL ? report_gyro(job, json) : json_null();
+    json_t *force = findings->moved.force.noise > 0 ? report_force(job, json) : json_null();
     json_t *turned = findings->moved.turned > 0 ? report_turned(job, json) : json_null();
     json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
     json_t *peaks = findings->moved.duration > 0 ? report_peaks(job, json) : json_null();
@@ -724,16 +738,15 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     char keys[300];
     (void)snprintf(keys, sizeof keys,
                    "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
-                   "gyro:o? turned:o? "
-                   "conflict:o? noise:o? peaks:o? "
+                   "gyro:o? accelerometer:o? turned:o? conflict:o? noise:o? peaks:o? "
                    "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
                    job->motion.times != NULL ? "times"
                    : job->motion.rate > 0    ? "rate"
                                              : "levels",
                    findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, held, gyro, turned, conflict, noise,
-                         peaks, smoothed, crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight,
+                         findings->written.left_out, findings->written.lost, outliers, held, gyro, force, turned, conflict,
+                         noise, peaks, smoothed, crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight,
                          projection, distance);
 }
 
@@ -809,6 +822,5 @@ void curve_end(void *of)
     bat_curve_set_free(&job->fine);
     bat_curve_model_free(job->model);
     free(job->times);
-    free(job->gyro_times);
-    free(job->gyro_rates);
+    bat_motion_gyro_free(&job->gyro);
 }

@@ -48,6 +48,7 @@ typedef struct bat_motion_report
     bat_motion_gyro_report gyro; ///< of the last curve
     double peaks[2][3];
     double duration, given_duration; ///< of the longest motion; they differ where there are limits
+    bat_motion_force_report force;   ///< of the last curve
 } bat_motion_report;
 
 /// Options of motions. Begin with bat_motion_curves_defaults().
@@ -160,6 +161,14 @@ BAT_API bat_status bat_motion_times_read(const char *path, const bat_curve_set *
 /// @return as bat_motion_times_read()
 BAT_API bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates,
                                          size_t *count, bat_error *error);
+
+/// The same with the specific forces of an accelerometer, in the next three columns: where the first of these has a name as
+/// `ax`, `a_RS_S_x` or `linear_acceleration_x`, or where there are seven columns without names.
+///
+/// @param gyro receives the arrays; release them with bat_motion_gyro_free()
+/// @return as bat_motion_times_read()
+BAT_API bat_status bat_motion_gyro_read(const char *path, const bat_curve_set *set, bat_motion_gyro *gyro, bat_error *error);
+BAT_API void bat_motion_gyro_free(bat_motion_gyro *gyro);
 
 BAT_C_END
 

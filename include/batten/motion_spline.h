@@ -64,6 +64,8 @@ typedef struct bat_motion_gyro
     const double *times; ///< count, increasing, over the time of the keys
     const double *rates; ///< count x 3
     size_t count;
+    const double *forces; ///< count x 3: of an accelerometer beside it, in the same frame, in units of length a squared unit
+                          ///< of time; for rigid motions, whose origin it is at; null: none
 } bat_motion_gyro;
 
 /// What keys and a gyroscope tell of each other.
@@ -74,6 +76,16 @@ typedef struct bat_motion_gyro_report
     double walk;          ///< the noise of the integrated rates about an axis, in radians a root of time
     double sigma;         ///< the noise of the keys' rotations, given or estimated
 } bat_motion_gyro_report;
+
+/// What keys and an accelerometer tell of each other. It measures R^T (acceleration - gravity) + bias, R being the rotation.
+typedef struct bat_motion_force_report
+{
+    double bias[3], bias_sigma[3]; ///< all the time the same, with its standard deviations
+    double gravity[3];             ///< in the fixed frame
+    double noise;                  ///< of the acceleration, in its unit and a root of time
+    double explained;              ///< the share of the energy of the keys' accelerations that the forces tell
+    bool used;                     ///< by the motion: at least half of it
+} bat_motion_force_report;
 
 /// Options of splines. Begin with bat_motion_spline_defaults().
 typedef struct bat_motion_spline_options
@@ -96,7 +108,8 @@ typedef struct bat_motion_spline_options
     const double *turns;
     /// Open motions of rotations or rigid motions, 6 keys at least: the rates between the keys, which have noise and an
     /// unknown constant bias, fused with the keys' rotations, whose noise is `angle_sigma`, or `sigma` for rotations alone;
-    /// 0 or automatic: what both tell. The spline has keys at the times of the rates, too. Null: none; default null
+    /// 0 or automatic: what both tell. The spline has keys at the times of the rates, too. Translations follow an
+    /// accelerometer between the keys: what is left is a spline with `sigma`. Null: none; default null
     const bat_motion_gyro *gyro;
     bat_motion_outliers outliers; ///< with sigma, of translations with a gyroscope; default BAT_MOTION_OUTLIERS_NONE
     /// Limits of the length of velocities and accelerations; 0: none. The motion gets new times then: the fastest ones along
@@ -165,8 +178,9 @@ typedef struct bat_motion_keys
     /// Intervals far shorter than those beside them, with a far greater or smaller speed, whose keys have the velocity of
     /// the motion around both; acceleration jumps there. Counted for each factor. 0 for BAT_MOTION_SHAPE_SMOOTH.
     size_t held;
-    bat_motion_gyro_report gyro; ///< zeros without a gyroscope
-    size_t turned;               ///< intervals whose rotations go another way than the shortest
+    bat_motion_gyro_report gyro;   ///< zeros without a gyroscope
+    size_t turned;                 ///< intervals whose rotations go another way than the shortest
+    bat_motion_force_report force; ///< zeros without an accelerometer
 } bat_motion_keys;
 
 /// What a spline holds, valid until bat_motion_spline_free().

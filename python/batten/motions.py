@@ -35,9 +35,10 @@ class Motion:
     velocities : array_like, optional
         The velocities at the times; by default, and where all numbers of a row are NaN, those that make the acceleration
         continuous. Of rigid motions this holds for the two parts by themselves.
-    gyro : (times, rates), optional
+    gyro : (times, rates) or (times, rates, forces), optional
         Angular rates of a gyroscope in the body's frame, rows of x, y and z in radians a second, between the poses. Its bias
-        and the noise of both are found; see `bias`. `times` then has those of the rates, too.
+        and the noise of both are found; see `bias`. `times` then has those of the rates, too. Translations follow the
+        specific forces of an accelerometer beside it, in units of length a squared second; see `accelerometer`.
     project : bool
         Move points that are farther than 0.05 off their space onto it, too, and warn of none.
     closed : bool
@@ -64,7 +65,7 @@ class Motion:
 
     @takes("bat_motion_spline_options")
     def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
-                 velocities: ArrayLike | None = None, gyro: tuple[ArrayLike, ArrayLike] | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
+                 velocities: ArrayLike | None = None, gyro: tuple[ArrayLike, ...] | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
                  **settings: Any) -> None:
         closed = flag(closed, "closed")
         self._arguments = (times, poses), dict(space=space, velocities=velocities, gyro=gyro, project=project, closed=closed,
@@ -97,10 +98,11 @@ class Motion:
             settings = {**settings, **found}
         how = options("bat_motion_spline_options", settings)
         if gyro is not None:
-            when, rates = self._seconds(gyro[0]), array(gyro[1], "gyro", 3)
-            if when.shape != (len(rates),):
-                raise ValueError(f"gyro: {len(rates)} times are needed, one for each row of rates, not {when.shape}")
-            how.gyro = measured = ffi.new("bat_motion_gyro *", [pointer(when), pointer(rates), len(rates)])
+            when, *rows = self._seconds(gyro[0]), *(array(r, "gyro", 3) for r in gyro[1:])
+            if any(when.shape != (len(r),) for r in rows):
+                raise ValueError(f"gyro: {len(rows[0])} times are needed, one for each row of rates, not {when.shape}")
+            forces = pointer(rows[1]) if len(rows) > 1 else ffi.NULL
+            how.gyro = measured = ffi.new("bat_motion_gyro *", [pointer(when), pointer(rows[0]), len(when), forces])
         call(lib.bat_motion_spline_make, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
         made_keys = lib.bat_motion_spline_keys(self._spline)
@@ -208,6 +210,13 @@ class Motion:
         """The bias of the gyroscope about x, y and z, and its standard deviations, in radians a second."""
         found = lib.bat_motion_spline_keys(self._spline).gyro
         return np.array(list(found.bias)), np.array(list(found.bias_sigma))
+
+    @property
+    def accelerometer(self) -> dict[str, Any]:
+        """The accelerometer's bias, its standard deviations, gravity, the noise, the share of the energy of the poses' accelerations that it explains, and whether it is used."""
+        found = lib.bat_motion_spline_keys(self._spline).force
+        told = {name: np.array(list(getattr(found, name))) for name in ("bias", "bias_sigma", "gravity")}
+        return {**told, "noise": found.noise, "explained": found.explained, "used": found.used}
 
     @property
     def range(self) -> tuple[float, float]:

@@ -736,6 +736,7 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
     report->held += keys.held;
     report->turned += keys.turned;
     report->gyro = keys.gyro;
+    report->force = keys.force;
     report->sigma = fmax(report->sigma, keys.sigma);
     report->angle_sigma = fmax(report->angle_sigma, keys.angle_sigma);
     for (size_t i = 0; report->threshold > 0 && i < keys.count; i++)

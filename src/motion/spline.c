@@ -60,6 +60,7 @@ struct bat_motion_spline
     size_t record_size;
     size_t held, turned; ///< intervals, over all factors
     bat_motion_gyro_report gyro;
+    bat_motion_force_report force;
     bool limited;         ///< the times are those of `timing`
     spline_timing timing; ///< within limits of speed and acceleration
 };
@@ -829,10 +830,11 @@ double spline_time_at(const bat_motion_spline *spline, size_t interval, double s
 
 // Gyroscopes
 
-/// Translations of rigid motions at times, with velocities and standard deviations of columns 0 to 3.
+/// Translations of rigid motions at times, with velocities and standard deviations of columns 0 to 3: the path that forces
+/// tell, and a spline through what the keys are away from it.
 static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
                                const gyro_fusion *fused, bat_hermite_curve *made, double *deviations, double *sigma,
-                               bat_error *error)
+                               bat_motion_force_report *force, bat_error *error)
 {
     const bat_space space = bat_euclidean(3);
     bat_motion_spline_options how = *options;
@@ -841,22 +843,37 @@ static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_s
     how.turns = how.begin_velocity = how.end_velocity = NULL;
     how.ends = how.ends == BAT_MOTION_ENDS_CLAMPED ? BAT_MOTION_ENDS_AUTO : how.ends;
     how.gyro = NULL;
-    double *rows = memory_array(keys->count, 3 * sizeof *rows), point[3], velocity[3];
-    if (rows == NULL)
-        return error_memory(error, keys->count * 3 * sizeof *rows);
-    gather(keys->points, keys->count, 7, 0, 3, rows);
+    double *rows = memory_array(keys->count, 3 * sizeof *rows), *path = calloc(fused->count, 6 * sizeof *path);
+    bat_status status = rows != NULL && path != NULL ? BAT_OK : error_memory(error, fused->count * 6 * sizeof *path);
+    if (status == BAT_OK)
+        gather(keys->points, keys->count, 7, 0, 3, rows);
+    if (status == BAT_OK && options->gyro->forces != NULL)
+        status = force_path(fused, options->gyro, keys->times, rows, keys->count, how.sigma, path, force, error);
+    for (size_t i = 0, key = 0; status == BAT_OK && i < fused->count && key < keys->count; i++)
+        if (fused->times[i] == keys->times[key])
+        {
+            for (size_t c = 0; c < 3; c++)
+                rows[3 * key + c] -= path[6 * i + c];
+            key++;
+        }
     bat_hermite_curve moved = {.space = &space, .points = rows, .times = keys->times, .count = keys->count};
     bat_motion_spline *spline = NULL;
-    bat_status status = bat_motion_spline_make(&moved, &how, &spline, error);
-    free(rows);
+    if (status == BAT_OK)
+        status = bat_motion_spline_make(&moved, &how, &spline, error);
     for (size_t i = 0; i < fused->count && status == BAT_OK; i++)
     {
+        double *point = made->points + 7 * i, *velocity = made->tangents + 6 * i;
         status = bat_motion_spline_at(spline, fused->times[i], point, velocity, NULL, error);
         if (status == BAT_OK)
             status = bat_motion_spline_uncertainty(spline, &fused->times[i], 1, deviations + 6 * i, error);
-        memcpy(made->points + 7 * i, point, sizeof point);
-        memcpy(made->tangents + 6 * i, velocity, sizeof velocity);
+        for (size_t c = 0; c < 3; c++)
+        {
+            point[c] += path[6 * i + c];
+            velocity[c] += path[6 * i + 3 + c];
+        }
     }
+    free(rows);
+    free(path);
     *sigma = spline != NULL ? spline->sigmas[0] : 0;
     bat_motion_spline_free(spline);
     return status;
@@ -887,13 +904,14 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
     }
     bat_hermite_curve given = *keys, made = {.space = keys->space, .times = fused.times, .count = fused.count};
     double *deviations = calloc(fused.count + 1, n * sizeof *deviations), sigma = 0;
+    bat_motion_force_report force = {0};
     given.times = times;
     made.points = memory_array(fused.count + 1, dim * sizeof(double));
     made.tangents = memory_array(fused.count + 1, n * sizeof(double));
     if (status == BAT_OK && (made.points == NULL || made.tangents == NULL || deviations == NULL))
         status = error_memory(error, fused.count * dim * sizeof(double));
     if (status == BAT_OK && rigid)
-        status = move_between(&given, options, &fused, &made, deviations, &sigma, error);
+        status = move_between(&given, options, &fused, &made, deviations, &sigma, &force, error);
     bat_motion_spline_options how = *options;
     how.sigma = how.angle_sigma = 0;
     how.outliers = BAT_MOTION_OUTLIERS_NONE;
@@ -914,6 +932,7 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
     {
         memcpy((*spline)->uncertainties, deviations, fused.count * n * sizeof *deviations);
         (*spline)->gyro = fused.report;
+        (*spline)->force = force;
         (*spline)->sigmas[0] = rigid ? sigma : fused.report.sigma;
         (*spline)->sigmas[1] = rigid ? fused.report.sigma : 0;
     }
@@ -981,5 +1000,6 @@ bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
                              .angle_sigma = spline->sigmas[1],
                              .held = spline->held,
                              .gyro = spline->gyro,
+                             .force = spline->force,
                              .turned = spline->turned};
 }

@@ -55,18 +55,21 @@ static void multiply(const double *p, const double *q, double *product)
     memcpy(product, made, sizeof made);
 }
 
-/// The rates at a time, linear between measurements, less the bias. `*near` is a measurement before it, and goes up.
-static void rates_at(const gyro_work *work, double time, size_t *near, double *rates)
+void gyro_row_at(const bat_motion_gyro *gyro, const double *rows, double time, size_t *near, double *row)
 {
-    const bat_motion_gyro *gyro = work->gyro;
     while (*near + 2 < gyro->count && gyro->times[*near + 1] <= time)
         ++*near;
     double from = gyro->times[*near], share = fmin(fmax((time - from) / (gyro->times[*near + 1] - from), 0), 1);
+    for (const double *r = rows + 3 * *near, *end = r + 3; r < end; r++)
+        *row++ = r[0] + share * (r[3] - r[0]);
+}
+
+/// The rates at a time, less the bias.
+static void rates_at(const gyro_work *work, double time, size_t *near, double *rates)
+{
+    gyro_row_at(work->gyro, work->gyro->rates, time, near, rates);
     for (size_t c = 0; c < 3; c++)
-    {
-        const double *rate = gyro->rates + 3 * *near + c;
-        rates[c] = rate[0] + share * (rate[3] - rate[0]) - work->bias[c];
-    }
+        rates[c] -= work->bias[c];
 }
 
 /// Integrate the rates: the fourth-order term of Magnus's series for linear rates, and the trapezoidal rule for M.
@@ -270,7 +273,7 @@ static void smooth(gyro_work *work)
 /// The times of the keys, and those of the rates between them.
 static void merge_times(gyro_work *work)
 {
-    static const double SAME = 1e-6; // of a step of the rates
+    static const double SAME = 1e-2; // of a step of the rates
     const bat_motion_gyro *gyro = work->gyro;
     double apart = SAME * (gyro->times[gyro->count - 1] - gyro->times[0]) / (double)(gyro->count - 1);
     size_t made = 0, next = 0;
@@ -295,9 +298,10 @@ static bat_status check_gyro(const double *times, size_t count, const bat_motion
                          MIN_KEYS, count, gyro->count);
     for (size_t i = 0; i < gyro->count; i++)
         if (!isfinite(gyro->times[i]) || (i > 0 && !(gyro->times[i] > gyro->times[i - 1])) ||
-            !isfinite(vector_square(3, gyro->rates + 3 * i)))
+            !isfinite(vector_square(3, gyro->rates + 3 * i)) ||
+            (gyro->forces != NULL && !isfinite(vector_square(3, gyro->forces + 3 * i))))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0,
-                             "rate %zu of the gyroscope is not finite, or not later than "
+                             "measurement %zu of the gyroscope is not finite, or not later than "
                              "the one before",
                              i);
     double first = gyro->times[0], last = gyro->times[gyro->count - 1], step = (last - first) / (double)(gyro->count - 1);

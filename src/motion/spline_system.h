@@ -250,6 +250,17 @@ bat_status gyro_fuse(const double *times, const double *keys, size_t count, cons
                      gyro_fusion *fusion, bat_error *error);
 void gyro_fusion_free(gyro_fusion *fusion);
 
+/// A row of 3 measurements at a time, linear between. `*near` is one before it, and goes up.
+void gyro_row_at(const bat_motion_gyro *gyro, const double *rows, double time, size_t *near, double *row);
+
+/// The path that specific forces tell, but for a start and a velocity.
+///
+/// @param keys  count x 3, translations at `times`, which the fusion has, too
+/// @param sigma the noise of the keys; 0: none; below 0: it is estimated
+/// @param path  receives a place and a velocity for each rotation of the fusion; zeros where keys contradict the forces
+bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, const double *times, const double *keys,
+                      size_t count, double sigma, double *path, bat_motion_force_report *report, bat_error *error);
+
 // New times along a path: the fastest ones within limits of speed and acceleration
 
 /// The parts of a motion with limits of their own: all of it, or translations and rotations of rigid motions.

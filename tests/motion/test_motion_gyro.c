@@ -69,7 +69,7 @@ static recording *record(double noise, double rate_noise, uint64_t seed)
         for (size_t c = 0; c < 3; c++)
             made->rates[3 * i + c] += BIAS[c] + rate_noise * bat_random_normal(&random);
     }
-    made->gyro = (bat_motion_gyro){made->rate_times, made->rates, RATES};
+    made->gyro = (bat_motion_gyro){.times = made->rate_times, .rates = made->rates, .count = RATES};
     return made;
 }
 
@@ -183,12 +183,105 @@ static void bad_rates_are_refused(void **state)
     free(given);
 }
 
+static void place_at_time(double t, double *place, double *acceleration)
+{
+    for (int c = 0; c < 3; c++)
+    {
+        double w = 1.1 + 0.3 * c;
+        place[c] = sin(w * t + c) + 0.3 * sin(2.7 * t - c);
+        if (acceleration != NULL)
+            acceleration[c] = -w * w * sin(w * t + c) - 0.3 * 2.7 * 2.7 * sin(2.7 * t - c);
+    }
+}
+
+/// The error of the translations of a spline through every fourth key with a gyroscope.
+static double error_of_places(const recording *given, const bat_space *rigid, size_t step, bat_motion_force_report *report)
+{
+    double times[KEYS], poses[7 * KEYS], point[7], place[3], squares = 0;
+    bat_hermite_curve keys = {.space = rigid, .points = poses, .times = times};
+    for (size_t i = 0; i < KEYS; i += step, keys.count++)
+    {
+        times[keys.count] = given->times[i];
+        memcpy(poses + 7 * keys.count, given->poses + 7 * i, 7 * sizeof *poses);
+        place_at_time(given->times[i], poses + 7 * keys.count, NULL);
+    }
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    bat_motion_spline *spline = NULL;
+    bat_error error;
+    options.gyro = &given->gyro;
+    if (bat_motion_spline_make(&keys, &options, &spline, &error) != BAT_OK)
+        fail_msg("%s", error.text);
+    *report = bat_motion_spline_keys(spline).force;
+    for (size_t i = 0; i < AT; i++)
+    {
+        double time = SPAN * ((double)i + 0.5) / AT;
+        check_status(bat_motion_spline_at(spline, time, point, NULL, NULL, NULL), BAT_OK);
+        place_at_time(time, place, NULL);
+        for (int c = 0; c < 3; c++)
+            squares += (point[c] - place[c]) * (point[c] - place[c]) / AT;
+    }
+    bat_motion_spline_free(spline);
+    return sqrt(squares);
+}
+
+// An accelerometer tells the way between keys, its bias and gravity; in another unit it tells nothing, and the report says
+// so.
+static void forces_tell_the_way_between_keys(void **state)
+{
+    (void)state;
+    static const double GRAVITY[3] = {0.3, -0.2, -9.8}, OFF[3] = {0.2, -0.15, 0.1};
+    bat_space rigid;
+    check_status(bat_rigid(1, &rigid, NULL), BAT_OK);
+    recording *given = record(0, 0.002, 3);
+    double *forces = calloc(RATES, 3 * sizeof *forces);
+    bat_random random = bat_random_seed(5);
+    assert_non_null(forces);
+    for (size_t i = 0; i < RATES; i++)
+    {
+        double quaternion[4], matrix[9], rate[3], place[3], pull[3];
+        truth_at(given->rate_times[i], quaternion, rate);
+        place_at_time(given->rate_times[i], place, pull);
+        bat_rotation_to_matrix(quaternion, matrix);
+        for (size_t c = 0; c < 3; c++)
+        {
+            forces[3 * i + c] = OFF[c] + 0.05 * bat_random_normal(&random);
+            for (size_t r = 0; r < 3; r++)
+                forces[3 * i + c] += matrix[3 * r + c] * (pull[r] - GRAVITY[r]);
+        }
+    }
+    bat_motion_force_report report;
+    double without = error_of_places(given, &rigid, 2, &report);
+    assert_true(report.noise == 0 && !report.used);
+    given->gyro.forces = forces;
+    double with = error_of_places(given, &rigid, 2, &report);
+    print_message("errors %.3g, %.3g with forces, which explain %.4f\n", without, with, report.explained);
+    assert_true(report.used && report.explained > 0.95 && with < 0.05 * without);
+    for (size_t c = 0; c < 3; c++)
+    {
+        assert_true(fabs(report.bias[c] - OFF[c]) < 4 * report.bias_sigma[c]);
+        assert_true(fabs(report.gravity[c] - GRAVITY[c]) < 0.05);
+    }
+    for (size_t i = 0; i < (size_t)3 * RATES; i++)
+        forces[i] /= 9.81;
+    double again = error_of_places(given, &rigid, 2, &report);
+    assert_true(!report.used && report.explained < 0.5 && again == without);
+    forces[7] = NAN;
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    bat_motion_spline *spline = NULL;
+    options.gyro = &given->gyro;
+    bat_hermite_curve keys = {.space = &rigid, .points = given->poses, .times = given->times, .count = KEYS};
+    check_status(bat_motion_spline_make(&keys, &options, &spline, NULL), BAT_INVALID_ARGUMENT);
+    free(forces);
+    free(given);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rates_and_keys_tell_more_than_either),
         cmocka_unit_test(exact_rates_leave_no_error),
         cmocka_unit_test(bad_rates_are_refused),
+        cmocka_unit_test(forces_tell_the_way_between_keys),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

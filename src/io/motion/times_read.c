@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Rates beside a time.
+/// Rates beside a time, and accelerations beside these.
 #define RATES 3
 
 typedef struct time_list
@@ -18,8 +18,9 @@ typedef struct time_list
     double *times;
     size_t count, capacity;
     bool with_rates;
-    double *rates; ///< count x RATES
-    size_t rate_count, rate_capacity;
+    bool with_forces, named; ///< accelerations are wanted, then there; columns have names
+    double *rates, *forces;  ///< count x RATES
+    size_t rate_count, rate_capacity, force_count, force_capacity;
     int64_t origin;
     int decimals; ///< of the unit; 0: by the size
 } time_list;
@@ -46,17 +47,39 @@ static const char *read_time(const time_list *list, const char *begin, const cha
     return fault;
 }
 
+/// Whether a name is that of an acceleration: ax, a_RS_S_x, acc_x, linear_acceleration_x.
+static bool names_acceleration(csv_field field)
+{
+    const char *begin = field.begin;
+    while (begin < field.end && *begin == ' ')
+        begin++;
+    bool named = field.end - begin > 1 && begin[0] == 'a' && (begin[1] == 'x' || begin[1] == '_');
+    for (; field.end - begin > 2 && !named; begin++)
+        named = strncmp(begin, "acc", 3) == 0;
+    return named;
+}
+
 static bat_status add_line(time_list *list, const file_text *text, const text_line *line, bat_error *error)
 {
     csv_field fields[BAT_SPACE_MAX_DIM] = {{line->begin, line->end}};
     char excerpt[EXCERPT_SIZE], before[NUMBER_DIGITS_SIZE], digits[NUMBER_DIGITS_SIZE], separator = csv_find_separator(line);
     double time, rate;
     size_t found = 1;
-    if (line->begin == line->end || *line->begin == '#')
-        return BAT_OK;
     const char *fault = list->with_rates ? csv_split(text, line, separator, fields, &found) : NULL;
-    if (fault == NULL && found < (list->with_rates ? 1 + RATES : 1))
-        fault = "a row has a time and three rates";
+    bool comment = line->begin == line->end || *line->begin == '#';
+    if (list->count == 0 && fault == NULL && found > 2 * RATES && (comment || !number_resembles(line->begin, fields[0].end)))
+    {
+        list->named = true;
+        list->with_forces = list->with_forces && names_acceleration(fields[1 + RATES]);
+    }
+    if (comment)
+        return BAT_OK;
+    if (list->count == 0 && !list->named && number_resembles(line->begin, fields[0].end))
+        list->with_forces = list->with_forces && found == 1 + 2 * RATES;
+    size_t wanted = list->with_forces ? 1 + 2 * RATES : list->with_rates ? 1 + RATES : 1;
+    if (fault == NULL && found < wanted)
+        fault =
+            list->with_forces ? "a row has a time, three rates and three accelerations" : "a row has a time and three rates";
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", fault);
     const char *begin = fields[0].begin, *end = fields[0].end;
@@ -71,22 +94,24 @@ static bat_status add_line(time_list *list, const file_text *text, const text_li
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "the time %s does not come after %s",
                          number_digits(time, digits), number_digits(list->times[list->count - 1], before));
     bool comma = false, good = ARRAY_ADD(list->times, list->capacity, list->count, time);
-    for (size_t c = 1; good && list->with_rates && c <= RATES; c++)
+    for (size_t c = 1; good && c < wanted; c++)
     {
         fault = csv_read_number(fields[c], separator, &rate, &comma);
         if (fault != NULL)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' %s",
                              text_excerpt(excerpt, fields[c].begin, fields[c].end), fault);
-        good = ARRAY_ADD(list->rates, list->rate_capacity, list->rate_count, rate);
+        good = c <= RATES ? ARRAY_ADD(list->rates, list->rate_capacity, list->rate_count, rate)
+                          : ARRAY_ADD(list->forces, list->force_capacity, list->force_count, rate);
     }
     return good ? BAT_OK : error_memory(error, list->count * sizeof time);
 }
 
-bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates, size_t *count,
-                                 bat_error *error)
+static bat_status read_list(const char *path, const bat_curve_set *set, double **times, double **rates, double **forces,
+                            size_t *count, bat_error *error)
 {
     file_text text = {0};
     time_list list = {.with_rates = rates != NULL,
+                      .with_forces = forces != NULL,
                       .origin = set != NULL ? bat_curve_set_time_origin(set) : 0,
                       .decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0};
     bat_status status = file_text_read(path, NULL, &text, error);
@@ -102,14 +127,40 @@ bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, dou
         *count = list.count;
         if (rates != NULL)
             *rates = list.rates;
+        if (forces != NULL)
+            *forces = list.forces;
         return BAT_OK;
     }
     free(list.times);
     free(list.rates);
+    free(list.forces);
     return status;
+}
+
+bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates, size_t *count,
+                                 bat_error *error)
+{
+    return read_list(path, set, times, rates, NULL, count, error);
+}
+
+bat_status bat_motion_gyro_read(const char *path, const bat_curve_set *set, bat_motion_gyro *gyro, bat_error *error)
+{
+    double *times, *rates, *forces;
+    bat_status status = read_list(path, set, &times, &rates, &forces, &gyro->count, error);
+    if (status == BAT_OK)
+        *gyro = (bat_motion_gyro){times, rates, gyro->count, forces};
+    return status;
+}
+
+void bat_motion_gyro_free(bat_motion_gyro *gyro)
+{
+    free((void *)gyro->times);
+    free((void *)gyro->rates);
+    free((void *)gyro->forces);
+    *gyro = (bat_motion_gyro){0};
 }
 
 bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count, bat_error *error)
 {
-    return bat_motion_rates_read(path, set, times, NULL, count, error);
+    return read_list(path, set, times, NULL, NULL, count, error);
 }
