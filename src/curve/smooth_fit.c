@@ -1,6 +1,7 @@
 #include "curve/smooth_fit.h"
 
 #include "base/error.h"
+#include "base/golden.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -87,7 +88,7 @@ static double *element(const smooth_fit *f, double *bands, size_t a, size_t b)
 }
 
 /// The matrix R + weight Q^T W^-1 Q.
-static void assemble(smooth_fit *f, double weight)
+static void assemble(const smooth_fit *f, double weight)
 {
     size_t unknowns[3];
     memset(f->bands, 0, unknowns_of(f) * (band_of(f) + 1) * sizeof(double));
@@ -113,9 +114,9 @@ static void assemble(smooth_fit *f, double weight)
     }
 }
 
-/// Factor the matrix in place; returns the logarithm of its determinant.
-static double factor(const smooth_fit *f)
+double smooth_fit_factor(const smooth_fit *f, double weight)
 {
+    assemble(f, weight);
     size_t n = unknowns_of(f), band = band_of(f);
     double determinant = 0;
     for (size_t j = 0; j < n; j++)
@@ -145,8 +146,7 @@ static void second_difference(const smooth_fit *f, size_t point, double *z)
     }
 }
 
-/// Solve for the accelerations. Returns the sum of z A^-1 z, z the second differences.
-static double solve(const smooth_fit *f)
+double smooth_fit_bend(const smooth_fit *f)
 {
     size_t n = unknowns_of(f), band = band_of(f), dim = f->dim;
     double sum = 0, *x = f->bends; // by unknowns
@@ -185,14 +185,13 @@ static const double *bend_at(const smooth_fit *f, size_t point)
 /// with a covariance proportional to the matrix. `f->noise` receives the standard deviation.
 static double deviance(smooth_fit *f, double weight)
 {
-    assemble(f, weight);
-    double determinant = factor(f), sum = solve(f), numbers = (double)((f->count - (f->closed ? 1 : 2)) * f->dim);
+    double determinant = smooth_fit_factor(f, weight), sum = smooth_fit_bend(f),
+           numbers = (double)((f->count - (f->closed ? 1 : 2)) * f->dim);
     f->noise = sqrt(weight * sum / numbers);
     return sum > 0 ? numbers * log(sum) + (double)f->dim * determinant : -INFINITY;
 }
 
-/// The band of the inverse, from the factor (Hutchinson and de Hoog, Smoothing noisy data with spline functions, 1985).
-static void invert(const smooth_fit *f)
+void smooth_fit_invert(const smooth_fit *f)
 {
     size_t n = unknowns_of(f), band = band_of(f);
     for (size_t j = n; j-- > 0;)
@@ -208,8 +207,7 @@ static void invert(const smooth_fit *f)
     }
 }
 
-/// The variance of a point's residual in units of that of the noise.
-static double residual_variance(const smooth_fit *f, size_t point, double weight)
+double smooth_fit_variance(const smooth_fit *f, size_t point, double weight)
 {
     double q[3], sum = 0;
     size_t unknowns[3];
@@ -222,8 +220,7 @@ static double residual_variance(const smooth_fit *f, size_t point, double weight
     return weight * f->slacks[point] * f->slacks[point] * sum;
 }
 
-/// The move of a point towards the spline, without that to its measurement.
-static void bend_back(const smooth_fit *f, size_t point, double weight, double *move)
+void smooth_fit_bend_back(const smooth_fit *f, size_t point, double weight, double *move)
 {
     double q[3];
     differences(f, point, q);
@@ -243,25 +240,21 @@ static double cross_validation(smooth_fit *f, double weight)
 {
     double squares = 0, freedom = 0, move[BAT_SPACE_MAX_DIM];
     (void)deviance(f, weight);
-    invert(f);
+    smooth_fit_invert(f);
     for (size_t i = 0; i < f->count; i++)
     {
         if (f->slacks[i] == 0)
             continue;
-        bend_back(f, i, weight, move);
+        smooth_fit_bend_back(f, i, weight, move);
         squares += squared(f->dim, move) / f->slacks[i];
-        freedom += residual_variance(f, i, weight) / f->slacks[i];
+        freedom += smooth_fit_variance(f, i, weight) / f->slacks[i];
     }
     return log(squares) - 2 * log(freedom);
 }
 
-/// A number to minimize over the weights.
-typedef double criterion(smooth_fit *f, double weight);
-
 /// Find the weight of least value of a criterion between two powers of 10: whole steps, then golden sections.
-static double minimize(smooth_fit *f, criterion *value_of, double first, double last)
+static double minimize(smooth_fit *f, double (*value_of)(smooth_fit *f, double weight), double first, double last)
 {
-    static const double GOLDEN = 0.6180339887498949;
     double least = INFINITY, at = first;
     for (double power = first; power <= last; power++)
     {
@@ -269,19 +262,10 @@ static double minimize(smooth_fit *f, criterion *value_of, double first, double 
         at = value < least ? power : at;
         least = fmin(value, least);
     }
-    double low = fmax(at - 1, first), high = fmin(at + 1, last);
-    double powers[2] = {high - GOLDEN * (high - low), low + GOLDEN * (high - low)};
-    double values[2] = {value_of(f, pow(10, powers[0])), value_of(f, pow(10, powers[1]))};
-    for (int step = 0; step < GOLDEN_STEPS; step++)
-    {
-        int better = values[1] <= values[0];
-        *(better == 0 ? &high : &low) = powers[1 - better];
-        powers[1 - better] = powers[better];
-        values[1 - better] = values[better];
-        powers[better] = better == 0 ? high - GOLDEN * (high - low) : low + GOLDEN * (high - low);
-        values[better] = value_of(f, pow(10, powers[better]));
-    }
-    f->weight = pow(10, (low + high) / 2);
+    golden_search search = golden_begin(fmax(at - 1, first), fmin(at + 1, last));
+    for (int step = 0; step < GOLDEN_STEPS + 1; step++)
+        golden_tell(&search, value_of(f, pow(10, search.at)));
+    f->weight = pow(10, (search.low + search.high) / 2);
     return value_of(f, f->weight);
 }
 
@@ -304,11 +288,11 @@ static size_t find_outliers(smooth_fit *f)
     {
         size_t counted = 0;
         (void)deviance(f, weight);
-        invert(f);
+        smooth_fit_invert(f);
         for (size_t i = 0; i < f->count; i++)
         {
-            bend_back(f, i, weight, move);
-            double variance = residual_variance(f, i, weight);
+            smooth_fit_bend_back(f, i, weight, move);
+            double variance = smooth_fit_variance(f, i, weight);
             sizes[i] = variance > 0 ? sqrt(squared(f->dim, move) / variance) : 0;
             if (f->slacks[i] > 0)
                 sorted[counted++] = sizes[i];
@@ -383,8 +367,8 @@ static void follow_speeds(smooth_fit *f)
     double move[BAT_SPACE_MAX_DIM], next[BAT_SPACE_MAX_DIM], width = SPEED_WIDTH * pow(f->weight, 0.25);
     for (size_t e = 0; e < n; e++)
     {
-        bend_back(f, e, f->weight, move);
-        bend_back(f, e + 1 == f->count ? 0 : e + 1, f->weight, next);
+        smooth_fit_bend_back(f, e, f->weight, move);
+        smooth_fit_bend_back(f, e + 1 == f->count ? 0 : e + 1, f->weight, next);
         for (size_t c = 0; c < dim; c++)
             move[c] = f->ahead[e * dim + c] + next[c] - move[c];
         f->buffer[e] = sqrt(squared(dim, move));
@@ -481,7 +465,7 @@ void smooth_fit_moves(smooth_fit *f, double *moves)
     f->noise = noise;
     for (size_t i = 0; i < f->count; i++)
     {
-        bend_back(f, i, f->weight, moves + i * f->dim);
+        smooth_fit_bend_back(f, i, f->weight, moves + i * f->dim);
         for (size_t c = 0; c < f->dim; c++)
             moves[i * f->dim + c] += f->residuals[i * f->dim + c];
     }

@@ -35,6 +35,17 @@ void smooth_fit_free(smooth_fit *fit);
 /// Choose parameters, variances, slacks of outliers, and the weight, which becomes 0 where there is no noise.
 void smooth_fit_choose(smooth_fit *fit);
 
+/// Factor the system R + weight Q^T W^-1 Q of a weight; returns the logarithm of its determinant.
+double smooth_fit_factor(const smooth_fit *fit, double weight);
+/// Solve it for the accelerations. Returns the sum of z A^-1 z, z being the second differences, Q^T of what is measured.
+double smooth_fit_bend(const smooth_fit *fit);
+/// The band of the inverse, from the factor (Hutchinson and de Hoog, Smoothing noisy data with spline functions, 1985).
+void smooth_fit_invert(const smooth_fit *fit);
+/// The variance of a point's residual in units of that of the noise, by the inverse.
+double smooth_fit_variance(const smooth_fit *fit, size_t point, double weight);
+/// The move of a point towards the spline, without that to its measurement.
+void smooth_fit_bend_back(const smooth_fit *fit, size_t point, double weight, double *move);
+
 /// Compute the accelerations for the weight, and each point's move towards the spline.
 /// @param moves receives count x dim numbers
 void smooth_fit_moves(smooth_fit *fit, double *moves);

@@ -1,6 +1,7 @@
-
 #include "base/error.h"
+#include "base/golden.h"
 #include "base/memory.h"
+#include "curve/smooth_fit.h"
 #include "linalg/vector.h"
 #include "motion/spline_system.h"
 
@@ -17,20 +18,13 @@ typedef struct smoother
     memory_pool pool; ///< holds the arrays
     const spline_factor *f;
     size_t count, dim, n; ///< keys; numbers of a point and of a tangent vector
-    size_t first, last;   ///< the components that are fitted
+    size_t first;         ///< the component that is fitted, or all of rotations: fit.dim of them
     double scale;         ///< a hundredth of the mean distance of neighbours, to tell when steps are small
     const double *given;  ///< the measurements
     double *points;       ///< the motion
-    double *lengths;      ///< count - 1, with mean 1
-    double *activity;     ///< count - 1: how much the velocity changes, relative to the mean of 1
     double *frames;       ///< count x n x n: vectors of the frame; null for FACTOR_FLAT
-    double *residuals;    ///< count x n: logarithms of the measurements, in the frame
-    double *chords;       ///< count - 1 x n: mean velocities
-    double *weights;      ///< count
-    double *bends;        ///< count x n: right-hand sides, then the accelerations; rows 0 and count - 1 are 0
-    double *bands;        ///< count x 3: the factors L and D of the system
-    double *inverse;      ///< count x 3: the diagonal of its inverse, and the two beside it
     double *influence;    ///< count: of each measurement on its own key
+    smooth_fit fit;       ///< with vectors in the frame; its variances tell how much the velocity changes
 } smoother;
 
 /// @file
@@ -45,7 +39,7 @@ static double smoother_squares(const smoother *s, double cut)
 {
     double sum = 0;
     for (size_t i = 0; i < s->count; i++)
-        sum += fmin(s->weights[i] * vector_square(s->last - s->first, s->residuals + i * s->n + s->first), cut);
+        sum += fmin(vector_square(s->fit.dim, s->fit.residuals + i * s->fit.dim) / s->fit.slacks[i], cut);
     return sum;
 }
 
@@ -62,11 +56,12 @@ static void turn_frame(const smoother *s, size_t key, bool back, const double *f
     }
 }
 
-/// Frames, residuals and mean velocities of the motion.
+/// Frames, residuals, and ways from key to key.
 static bat_status measure(smoother *s, bat_error *error)
 {
     const bat_space *space = &s->f->space;
-    double vector[BAT_SPACE_MAX_DIM];
+    size_t dim = s->fit.dim;
+    double vector[BAT_SPACE_MAX_DIM], turned[BAT_SPACE_MAX_DIM];
     for (size_t k = 0; s->frames != NULL && k < s->n * s->n; k++)
         s->frames[k] = k % (s->n + 1) == 0 ? 1 : 0;
     bat_status status = BAT_OK;
@@ -74,15 +69,19 @@ static bat_status measure(smoother *s, bat_error *error)
     {
         const double *p = s->points + i * s->dim, *q = p + s->dim;
         status = space->log(space, p, s->given + i * s->dim, vector);
-        turn_frame(s, i, false, vector, s->residuals + i * s->n);
+        turn_frame(s, i, false, vector, turned);
+        memcpy(s->fit.residuals + i * dim, turned + s->first, dim * sizeof *turned);
         if (status != BAT_OK)
             return error_set(error, status, i, 0, "smoothing fails at point %zu, half a turn away from the motion", i);
         if (i + 1 == s->count)
             break;
         status = space->log(space, p, q, vector);
-        turn_frame(s, i, false, vector, s->chords + i * s->n);
-        for (size_t k = 0; k < s->n; k++)
-            s->chords[i * s->n + k] /= s->lengths[i];
+        turn_frame(s, i, false, vector, turned);
+        for (size_t k = 0; k < dim; k++)
+        {
+            s->fit.ahead[i * dim + k] = turned[s->first + k];
+            s->fit.behind[(i + 1) * dim + k] = -turned[s->first + k];
+        }
         for (size_t k = 0; s->frames != NULL && k < s->n && status == BAT_OK; k++)
             status =
                 space->transport(space, p, q, s->frames + (i * s->n + k) * s->n, s->frames + ((i + 1) * s->n + k) * s->n);
@@ -93,99 +92,19 @@ static bat_status measure(smoother *s, bat_error *error)
     return status;
 }
 
-/// The second difference Q^T at inner key j as numbers for the keys j - 1, j and j + 1.
-static void difference(const smoother *s, size_t j, double q[3])
-{
-    q[0] = 1 / s->lengths[j - 1];
-    q[2] = 1 / s->lengths[j];
-    q[1] = -q[0] - q[2];
-}
-
-/// Factor R + weight Q^T W^-1 Q, R weighted by the activity, as L D L^T: the bands of D, and one and two below it of L.
-static void factor_system(smoother *s, double weight)
-{
-    for (size_t j = 1; j + 1 < s->count; j++)
-    {
-        double q[3], next[3] = {0}, second[3] = {0}, row[3];
-        const double *w = s->weights + j;
-        difference(s, j, q);
-        if (j + 2 < s->count)
-            difference(s, j + 1, next);
-        if (j + 3 < s->count)
-            difference(s, j + 2, second);
-        row[0] = (s->lengths[j - 1] * s->activity[j - 1] + s->lengths[j] * s->activity[j]) / 3 +
-                 weight * (q[0] * q[0] / w[-1] + q[1] * q[1] / w[0] + q[2] * q[2] / w[1]);
-        row[1] = j + 2 < s->count
-                     ? s->lengths[j] * s->activity[j] / 6 + weight * (q[1] * next[0] / w[0] + q[2] * next[1] / w[1])
-                     : 0;
-        row[2] = weight * q[2] * second[0] / w[1];
-        double *band = s->bands + 3 * j;
-        if (j > 1)
-        {
-            row[0] -= band[-3] * band[-2] * band[-2];
-            row[1] -= band[-3] * band[-2] * band[-1];
-        }
-        if (j > 2)
-            row[0] -= band[-6] * band[-4] * band[-4];
-        band[0] = row[0];
-        band[1] = row[1] / row[0];
-        band[2] = row[2] / row[0];
-    }
-}
-
-/// Solve for the accelerations, from the second differences of the measurements.
-static void solve(smoother *s)
-{
-    size_t n = s->n, last = s->count - 2;
-    for (size_t j = 1; j <= last; j++)
-    {
-        double q[3];
-        difference(s, j, q);
-        for (size_t k = s->first; k < s->last; k++)
-        {
-            const double *r = s->residuals + j * n + k, *c = s->chords + j * n + k;
-            double bend = c[0] - c[-(ptrdiff_t)n] + q[0] * r[-(ptrdiff_t)n] + q[1] * r[0] + q[2] * r[n];
-            if (j > 1)
-                bend -= s->bands[3 * (j - 1) + 1] * s->bends[(j - 1) * n + k];
-            if (j > 2)
-                bend -= s->bands[3 * (j - 2) + 2] * s->bends[(j - 2) * n + k];
-            s->bends[j * n + k] = bend;
-        }
-    }
-    for (size_t j = last; j >= 1; j--)
-        for (size_t k = s->first; k < s->last; k++)
-        {
-            const double *band = s->bands + 3 * j;
-            double bend = s->bends[j * n + k] / band[0];
-            if (j + 1 <= last)
-                bend -= band[1] * s->bends[(j + 1) * n + k];
-            if (j + 2 <= last)
-                bend -= band[2] * s->bends[(j + 2) * n + k];
-            s->bends[j * n + k] = bend;
-        }
-}
-
 /// Move the points by r - weight W^-1 Q a. `*largest` receives the longest step.
 static bat_status move(smoother *s, double weight, double *largest)
 {
     const bat_space *space = &s->f->space;
-    size_t n = s->n;
     bat_status status = BAT_OK;
     *largest = 0;
     for (size_t i = 0; i < s->count && status == BAT_OK; i++)
     {
         double step[BAT_SPACE_MAX_DIM] = {0}, vector[BAT_SPACE_MAX_DIM], moved[BAT_SPACE_MAX_DIM];
-        const double *bend = s->bends + i * n;
-        for (size_t k = s->first; k < s->last; k++)
-        {
-            double turned = 0;
-            if (i + 1 < s->count)
-                turned += (bend[n + k] - bend[k]) / s->lengths[i];
-            if (i > 0)
-                turned -= (bend[k] - bend[(ptrdiff_t)k - (ptrdiff_t)n]) / s->lengths[i - 1];
-            step[k] = s->residuals[i * n + k] - weight * turned / s->weights[i];
-        }
-        *largest = fmax(*largest, sqrt(vector_square(n, step)));
+        smooth_fit_bend_back(&s->fit, i, weight, step + s->first);
+        for (size_t k = 0; k < s->fit.dim; k++)
+            step[s->first + k] += s->fit.residuals[i * s->fit.dim + k];
+        *largest = fmax(*largest, sqrt(vector_square(s->n, step)));
         turn_frame(s, i, true, step, vector);
         status = space->exp(space, s->points + i * s->dim, vector, moved);
         memcpy(s->points + i * s->dim, moved, s->dim * sizeof *moved);
@@ -200,10 +119,10 @@ static bat_status smoother_fit(smoother *s, double weight, double accuracy, bat_
 {
     bat_status status = measure(s, error);
     double largest = INFINITY;
-    factor_system(s, weight);
+    (void)smooth_fit_factor(&s->fit, weight);
     for (int step = 0; step < MAX_STEPS && status == BAT_OK && largest > accuracy * s->scale; step++)
     {
-        solve(s);
+        (void)smooth_fit_bend(&s->fit);
         status = move(s, weight, &largest);
         status = status == BAT_OK ? measure(s, error)
                                   : error_set(error, status, BAT_NO_INDEX, 0, "smoothing fails; sigma is too large");
@@ -213,42 +132,14 @@ static bat_status smoother_fit(smoother *s, double weight, double accuracy, bat_
     return status;
 }
 
-/// The middle bands of the inverse of L D L^T, from the last row up (Hutchinson and de Hoog, 1985).
-static void invert_bands(smoother *s)
-{
-    size_t last = s->count - 2;
-    for (size_t j = last; j >= 1; j--)
-    {
-        const double *band = s->bands + 3 * j, *next = s->inverse + 3 * (j + 1), *second = next + 3;
-        double *row = s->inverse + 3 * j;
-        double one = j + 1 <= last ? band[1] : 0, two = j + 2 <= last ? band[2] : 0;
-        row[1] = j + 1 <= last ? -one * next[0] - (two != 0 ? two * next[1] : 0) : 0;
-        row[2] = j + 2 <= last ? -one * next[1] - two * second[0] : 0;
-        row[0] = 1 / band[0] - one * row[1] - two * row[2];
-    }
-}
-
 /// Fill `influence` after a fit. Returns the sum, the degrees of freedom of a component.
 static double smoother_influence(smoother *s, double weight)
 {
-    size_t last = s->count - 2;
     double sum = 0;
-    invert_bands(s);
+    smooth_fit_invert(&s->fit);
     for (size_t i = 0; i < s->count; i++)
     {
-        // The key's numbers in the three second differences that it is part of.
-        double q[3], c[3] = {0};
-        for (size_t k = 0; k < 3; k++)
-            if (i + k >= 2 && i + k - 1 <= last)
-            {
-                difference(s, i + k - 1, q);
-                c[k] = q[2 - k];
-            }
-        double form = 0;
-        for (size_t k = 0; k < 3; k++)
-            for (size_t l = k; l < 3 && c[k] != 0; l++)
-                form += (l > k ? 2 : 1) * c[k] * c[l] * (c[l] != 0 ? s->inverse[3 * (i + k - 1) + (l - k)] : 0);
-        s->influence[i] = 1 - weight / s->weights[i] * form;
+        s->influence[i] = 1 - smooth_fit_variance(&s->fit, i, weight) / s->fit.slacks[i];
         sum += s->influence[i];
     }
     return sum;
@@ -259,19 +150,13 @@ static bat_status smoother_begin(smoother *s, const spline_factor *f, size_t cou
                                  const double *given, bat_error *error)
 {
     size_t dim = f->space.point_dim, n = f->space.tangent_dim;
-    *s = (smoother){.f = f, .count = count, .dim = dim, .n = n, .last = n, .given = given};
+    *s = (smoother){.f = f, .count = count, .dim = dim, .n = n, .given = given};
     s->points = memory_pool_array(&s->pool, count, dim * sizeof(double));
-    s->lengths = memory_pool_array(&s->pool, count, sizeof(double));
-    s->activity = memory_pool_array(&s->pool, count, sizeof(double));
     s->frames = f->kind == FACTOR_ROTATION ? memory_pool_array(&s->pool, count, n * n * sizeof(double)) : NULL;
-    s->residuals = memory_pool_zeros(&s->pool, count, n * sizeof(double));
-    s->chords = memory_pool_array(&s->pool, count, n * sizeof(double));
-    s->weights = memory_pool_array(&s->pool, count, sizeof(double));
-    s->bends = memory_pool_zeros(&s->pool, count, n * sizeof(double));
-    s->bands = memory_pool_array(&s->pool, count, 3 * sizeof(double));
-    s->inverse = memory_pool_array(&s->pool, count + 2, 3 * sizeof(double));
     s->influence = memory_pool_array(&s->pool, count, sizeof(double));
     bat_status status = memory_pool_check(&s->pool, error);
+    if (status == BAT_OK)
+        status = smooth_fit_make(count, f->kind == FACTOR_ROTATION ? n : 1, false, &s->fit, error);
     if (status != BAT_OK)
         return status;
     double total = 0, way = 0;
@@ -283,8 +168,8 @@ static bat_status smoother_begin(smoother *s, const spline_factor *f, size_t cou
     s->scale = way > 0 ? 0.01 * way / (double)count : 1;
     for (size_t i = 0; i < count; i++)
     {
-        s->lengths[i] = i + 1 < count ? lengths[i] / total * (double)(count - 1) : 0;
-        s->activity[i] = s->weights[i] = 1;
+        s->fit.steps[i] = i + 1 < count ? lengths[i] / total * (double)(count - 1) : 0;
+        s->fit.slacks[i] = 1;
     }
     memcpy(s->points, given, count * dim * sizeof *given);
     return BAT_OK;
@@ -401,7 +286,7 @@ typedef struct noise_search
 static double judge(noise_search *search, double weight)
 {
     smoother *s = &search->s;
-    size_t n = s->last - s->first;
+    size_t n = s->fit.dim;
     bat_status status = smoother_fit(s, weight, NEAR, NULL);
     if (status != BAT_OK)
     {
@@ -419,56 +304,50 @@ static double judge(noise_search *search, double weight)
 /// The best weight between two, by golden sections of its logarithm. Takes it where it is better than what is known.
 static void refine(noise_search *search, double low, double high, double power)
 {
-    static const double GOLDEN = 0.6180339887498949;
-    double a = log(low), b = log(high), x[2], value[2];
-    for (int i = 0; i < 2; i++)
+    golden_search golden = golden_begin(log(low), log(high));
+    for (int step = 0; step <= SEARCH_STEPS; step++)
     {
-        x[i] = i == 0 ? b - GOLDEN * (b - a) : a + GOLDEN * (b - a);
-        value[i] = judge(search, exp(x[i]));
-    }
-    for (int step = 0; step < SEARCH_STEPS; step++)
-    {
-        int better = value[0] <= value[1] ? 0 : 1;
-        if (value[better] < search->value)
+        double weight = exp(golden.at), value = judge(search, weight);
+        golden_tell(&golden, value);
+        if (value < search->value)
         {
-            search->value = value[better];
-            search->weight = exp(x[better]);
+            search->value = value;
+            search->weight = weight;
             search->power = power;
         }
-        *(better == 0 ? &b : &a) = x[1 - better];
-        x[1 - better] = x[better];
-        value[1 - better] = value[better];
-        x[better] = better == 0 ? b - GOLDEN * (b - a) : a + GOLDEN * (b - a);
-        value[better] = judge(search, exp(x[better]));
     }
 }
 
 static void set_activity(noise_search *search, double power)
 {
     for (size_t i = 0; i + 1 < search->s.count; i++)
-        search->s.activity[i] = power > 0 ? pow(search->energy[i], power) : 1;
+        search->s.fit.variances[i] = power > 0 ? pow(search->energy[i], power) : 1;
 }
 
 /// The mean square acceleration around each interval, relative to that over all, at least QUIET. False: it tells nothing.
 static bool measure_energy(noise_search *search)
 {
     const smoother *s = &search->s;
-    size_t n = s->last - s->first, half = WINDOW / 2;
-    double sum = 0, mean = 0;
+    size_t n = s->fit.dim, half = WINDOW / 2;
+    double sum = 0, mean = 0, *squares = s->fit.buffer; // of the accelerations, which are none at both ends
+    squares[0] = squares[s->count - 1] = 0;
     for (size_t i = 1; i + 1 < s->count; i++)
-        mean += vector_square(n, s->bends + i * s->n + s->first) / (double)(s->count - 2);
+    {
+        squares[i] = vector_square(n, s->fit.bends + (i - 1) * n);
+        mean += squares[i] / (double)(s->count - 2);
+    }
     if (s->count < MIN_ACTIVE || !(mean > 0) || !isfinite(mean))
         return false;
     // Sums over the keys i - half to i + half + 1, the ends of the interval i and those around it.
     for (size_t i = 0; i <= half; i++)
-        sum += vector_square(n, s->bends + i * s->n + s->first);
+        sum += squares[i];
     for (size_t i = 0; i + 1 < s->count; i++)
     {
         size_t from = i > half ? i - half : 0, to = i + half + 1 < s->count ? i + half + 1 : s->count - 1;
         if (i + half + 1 < s->count)
-            sum += vector_square(n, s->bends + to * s->n + s->first);
+            sum += squares[to];
         if (i > half)
-            sum -= vector_square(n, s->bends + (from - 1) * s->n + s->first);
+            sum -= squares[from - 1];
         search->energy[i] = fmax(sum, 0) / ((double)(to - from + 1) * mean) + QUIET;
     }
     return true;
@@ -517,7 +396,7 @@ static void weigh(noise_search *search, bat_motion_outliers rule, double sigma)
         double u = search->distances[i] / sigma, t = u / TUKEY;
         double weight =
             rule == BAT_MOTION_OUTLIERS_HUBER ? (u > HUBER ? HUBER / u : 1) : (t < 1 ? (1 - t * t) * (1 - t * t) : 0);
-        search->s.weights[i] = fmax(weight, MIN_WEIGHT);
+        search->s.fit.slacks[i] = 1 / fmax(weight, MIN_WEIGHT);
     }
 }
 
@@ -530,7 +409,8 @@ static void measure_neighbours(noise_search *search)
     for (size_t i = 1; i + 1 < s->count; i++)
     {
         const double *p = s->given + i * s->dim;
-        double share = s->lengths[i] / (s->lengths[i - 1] + s->lengths[i]);
+        const double *steps = s->fit.steps + i;
+        double share = steps[0] / (steps[-1] + steps[0]);
         bool near = space->log(space, p, p - s->dim, before) == BAT_OK && space->log(space, p, p + s->dim, after) == BAT_OK;
         for (size_t k = 0; k < s->n; k++)
             before[k] = near ? share * before[k] + (1 - share) * after[k] : 0;
@@ -543,7 +423,8 @@ static void measure_neighbours(noise_search *search)
 static void measure_motion(noise_search *search)
 {
     for (size_t i = 0; i < search->s.count; i++)
-        search->distances[i] = sqrt(vector_square(search->s.n, search->s.residuals + i * search->s.n));
+        search->distances[i] = search->s.f->space.distance(&search->s.f->space, search->s.points + i * search->s.dim,
+                                                           search->s.given + i * search->s.dim);
 }
 
 /// The noise by the median distance of the measurements, which few outliers do not change: of normal noise in n dimensions
@@ -561,30 +442,27 @@ static bat_status fit_all(noise_search *search, double *sigma, bat_error *error)
 {
     smoother *s = &search->s;
     bat_status status = BAT_OK;
-    size_t together = s->f->kind == FACTOR_ROTATION ? s->n : 1;
+    size_t together = s->fit.dim;
     double total = 0;
     search->all = 0;
     for (size_t i = 0; i < s->count; i++)
-        search->all += s->weights[i];
+        search->all += 1 / s->fit.slacks[i];
     search->sigma = *sigma > 0 ? *sigma / sqrt((double)s->n) : 0;
     for (s->first = 0; s->first < s->n && status == BAT_OK; s->first += together)
     {
-        s->last = s->first + together;
         status = find_weight(search, error);
         double degrees = fmax(search->all - ((double)s->count - search->freedom), 1) * (double)together;
         double variance = search->sigma > 0 ? search->sigma * search->sigma
                                             : smoother_squares(s, search->cut * (double)together) / degrees;
         total += variance * (double)together;
         for (size_t i = 0; i < s->count && status == BAT_OK; i++)
-            for (size_t k = s->first; k < s->last; k++)
+            for (size_t k = s->first; k < s->first + together; k++)
             {
-                double span = s->lengths[i] / 2;
-                search->uncertainties[i * s->n + k] = sqrt(fmax(variance * s->influence[i] / s->weights[i], 0));
-                search->wander[i * s->n + k] = variance / search->weight * s->activity[i] * span * span * span / 24;
+                double span = s->fit.steps[i] / 2;
+                search->uncertainties[i * s->n + k] = sqrt(fmax(variance * s->influence[i] * s->fit.slacks[i], 0));
+                search->wander[i * s->n + k] = variance / search->weight * s->fit.variances[i] * span * span * span / 24;
             }
     }
-    s->first = 0;
-    s->last = s->n;
     *sigma = sqrt(total);
     return status;
 }
@@ -634,13 +512,16 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
     double noise = fmax(*sigma, 0);
     if (status == BAT_OK)
         status = smooth(&search, outliers, &noise, error);
+    if (status == BAT_OK)
+        measure_motion(&search);
     for (size_t i = 0; status == BAT_OK && noise > 0 && i < count; i++)
-        deviations[i] = fmax(deviations[i], sqrt(vector_square(s->n, s->residuals + i * s->n)) / noise);
+        deviations[i] = fmax(deviations[i], search.distances[i] / noise);
     if (status == BAT_OK)
     {
         memcpy(points, s->points, count * s->dim * sizeof *points);
         *sigma = noise;
     }
+    smooth_fit_free(&s->fit);
     memory_pool_free(&s->pool);
     return status;
 }
