@@ -1,6 +1,8 @@
 #include "motion/spline_system.h"
 
+#include "base/golden.h"
 #include "base/memory.h"
+#include "curve/smooth_fit.h"
 #include "linalg/dense.h"
 #include "linalg/vector.h"
 
@@ -22,7 +24,7 @@ enum
     COLUMNS = UNKNOWNS + 2,
     KEYS_ALONE = UNKNOWNS + 1,
     ALL = 3 * COLUMNS,
-    SEARCH_STEPS = 30
+    SEARCH_STEPS = 30 // of golden sections
 };
 
 /// Ratios of the keys' noise to that of the path in a mean step, squared; the bias of the prior relative to the force,
@@ -32,15 +34,12 @@ static const double LOW_RATIO = 1e-8, HIGH_RATIO = 1e4, PRIOR = 0.05, CONTRADICT
 
 typedef struct force_work
 {
-    memory_pool pool;
+    smooth_fit fit; ///< its residuals are the columns at the keys, in units of the mean time between keys
     const gyro_fusion *fused;
     const bat_motion_gyro *gyro;
     const double *keys, *times; ///< count x 3, count
     size_t count;
     double known, prior, step; ///< the noise of a component of keys, or 0; of the bias; the mean time between keys
-    double *columns;           ///< count x ALL: at the keys, then their second differences
-    double *solved;            ///< count x ALL
-    double *bands;             ///< count x 3
     double found[UNKNOWNS], spread[UNKNOWNS * UNKNOWNS], energy, alone, noise;
 } force_work;
 
@@ -76,7 +75,7 @@ static void integrate(force_work *work, double *path)
         }
         if (work->fused->times[i] != work->times[key])
             continue;
-        double *column = work->columns + ALL * key;
+        double *column = work->fit.residuals + ALL * key;
         memset(column, 0, ALL * sizeof *column);
         for (size_t r = 0; r < 3; r++)
         {
@@ -90,69 +89,22 @@ static void integrate(force_work *work, double *path)
     }
 }
 
-/// Second differences of the columns, at the places of the keys before the middle one.
-static void take_differences(force_work *work)
-{
-    for (size_t j = 0; j + 2 < work->count; j++)
-        for (size_t c = 0; c < ALL; c++)
-        {
-            double *column = work->columns + ALL * j + c;
-            column[0] = (column[2 * ALL] - column[ALL]) / (work->times[j + 2] - work->times[j + 1]) -
-                        (column[ALL] - column[0]) / (work->times[j + 1] - work->times[j]);
-        }
-}
-
-/// Factor S + lambda Q^T Q as L D L^T, and solve for all columns. Returns the logarithm of the determinant.
-static double solve_columns(force_work *work, double lambda)
-{
-    size_t rows = work->count - 2;
-    double logs = 0, q[3][3] = {{0}};
-    memcpy(work->solved, work->columns, rows * ALL * sizeof(double));
-    for (size_t j = 0; j < rows; j++)
-    {
-        const double *t = work->times + j;
-        double *band = work->bands + 3 * j, *x = work->solved + ALL * j;
-        for (size_t k = 0; k < 3 && j + k < rows; k++)
-        {
-            q[k][0] = 1 / (t[k + 1] - t[k]);
-            q[k][2] = 1 / (t[k + 2] - t[k + 1]);
-            q[k][1] = -q[k][0] - q[k][2];
-        }
-        band[0] = (t[2] - t[0]) / 3 + lambda * vector_square(3, q[0]);
-        band[1] = j + 1 < rows ? (t[2] - t[1]) / 6 + lambda * (q[0][1] * q[1][0] + q[0][2] * q[1][1]) : 0;
-        band[2] = j + 2 < rows ? lambda * q[0][2] * q[2][0] : 0;
-        for (size_t k = 1; k <= 2 && k <= j; k++)
-        {
-            const double *before = band - 3 * k; // factors of D and of L
-            band[0] -= before[0] * before[k] * before[k];
-            band[1] -= k == 1 ? before[0] * before[1] * before[2] : 0;
-            for (size_t c = 0; c < ALL; c++)
-                x[c] -= before[k] * x[c - k * ALL];
-        }
-        logs += log(band[0]);
-        band[1] /= band[0];
-        band[2] /= band[0];
-    }
-    for (size_t j = rows; j-- > 0;)
-        for (size_t c = 0; c < ALL; c++)
-        {
-            double *x = work->solved + ALL * j + c;
-            const double *band = work->bands + 3 * j;
-            x[0] = x[0] / band[0] - (j + 1 < rows ? band[1] * x[ALL] : 0) - (j + 2 < rows ? band[2] * x[2 * ALL] : 0);
-        }
-    return 3 * logs;
-}
-
 /// Find b and g for a lambda; returns minus twice the logarithm of the likelihood, up to a constant.
 static double estimate(force_work *work, double lambda)
 {
-    double logs = solve_columns(work, lambda), products[COLUMNS][COLUMNS] = {{0}}, normal[UNKNOWNS * UNKNOWNS];
-    double degrees = 3 * ((double)work->count - 2), known = work->known * work->known;
+    const smooth_fit *fit = &work->fit;
+    double cube = pow(work->step, 3), logs = 3 * smooth_fit_factor(fit, lambda / cube), products[COLUMNS][COLUMNS] = {{0}};
+    double degrees = 3 * ((double)work->count - 2), known = work->known * work->known, normal[UNKNOWNS * UNKNOWNS];
+    (void)smooth_fit_bend(fit);
     for (size_t j = 0; j + 2 < work->count; j++)
-        for (size_t r = 0; r < 3; r++)
+        for (size_t r = 0; r < ALL; r += COLUMNS)
             for (size_t a = 0; a < COLUMNS; a++)
+            {
+                const double *y = fit->residuals + ALL * (j + 1) + r + a, *z = fit->bends + ALL * j + r;
+                double bend = (y[ALL] - y[0]) / fit->steps[j + 1] - (y[0] - y[-ALL]) / fit->steps[j];
                 for (size_t b = 0; b < COLUMNS; b++)
-                    products[a][b] += work->columns[ALL * j + COLUMNS * r + a] * work->solved[ALL * j + COLUMNS * r + b];
+                    products[a][b] += bend * z[b] / cube;
+            }
     work->alone = products[KEYS_ALONE][KEYS_ALONE];
     double noise = known > 0 ? known / lambda : fmin(products[0][0], work->alone) / degrees;
     for (int round = 0; round < 3; round++)
@@ -189,16 +141,16 @@ static bool predict_keys(const force_work *work)
     for (size_t i = 2; i + 2 < work->count; i++)
         for (size_t r = 0; r < 3; r++)
         {
-            const double *t = work->times + i;
-            double z[2][3], scale = pow((t[1] - t[-1]) / 2, 3);
+            const double *h = work->fit.steps + i;
+            double z[2][3], scale = pow((h[-1] + h[0]) / 2, 3);
             for (size_t k = 0; k < 3; k++)
             {
-                const double *x = work->solved + ALL * (i + k - 2) + COLUMNS * r;
+                const double *x = work->fit.bends + ALL * (i + k - 2) + COLUMNS * r;
                 z[0][k] = x[0] - vector_dot(UNKNOWNS, work->found, x + 1);
                 z[1][k] = x[KEYS_ALONE];
             }
             for (size_t k = 0; k < 2; k++) // a key less what the others predict is about this
-                squares[k] += pow(scale * ((z[k][2] - z[k][1]) / (t[1] - t[0]) - (z[k][1] - z[k][0]) / (t[0] - t[-1])), 2);
+                squares[k] += pow(scale * ((z[k][2] - z[k][1]) / h[0] - (z[k][1] - z[k][0]) / h[-1]), 2);
         }
     return squares[0] < PREDICTS * PREDICTS * squares[1];
 }
@@ -206,15 +158,11 @@ static bool predict_keys(const force_work *work)
 /// The lambda of the greatest likelihood, by golden sections; none for keys without noise.
 static void find_lambda(force_work *work, bool noisy)
 {
-    static const double GOLDEN = 0.6180339887498949;
-    double a = log(LOW_RATIO * pow(work->step, 3)), b = log(HIGH_RATIO * pow(work->step, 3));
+    double cube = pow(work->step, 3);
+    golden_search search = golden_begin(log(LOW_RATIO * cube), log(HIGH_RATIO * cube));
     for (int step = 0; step < SEARCH_STEPS && noisy; step++)
-    {
-        double x = b - GOLDEN * (b - a), y = a + GOLDEN * (b - a);
-        bool lower = estimate(work, exp(x)) <= estimate(work, exp(y));
-        *(lower ? &b : &a) = lower ? y : x;
-    }
-    (void)estimate(work, noisy ? exp((a + b) / 2) : 0);
+        golden_tell(&search, estimate(work, exp(search.at)));
+    (void)estimate(work, noisy ? exp((search.low + search.high) / 2) : 0);
 }
 
 bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, const double *times, const double *keys,
@@ -227,14 +175,16 @@ bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, con
     work.prior = fmax(PRIOR * sqrt(squares), 1e-300);
     work.known = sigma > 0 ? sigma / sqrt(3) : 0;
     work.step = (times[count - 1] - times[0]) / (double)(count - 1);
-    work.columns = memory_pool_array(&work.pool, count, ALL * sizeof(double));
-    work.solved = memory_pool_array(&work.pool, count, ALL * sizeof(double));
-    work.bands = memory_pool_array(&work.pool, count, 3 * sizeof(double));
-    bat_status status = memory_pool_check(&work.pool, error);
+    bat_status status = smooth_fit_make(count, ALL, false, &work.fit, error);
     if (status == BAT_OK)
     {
+        memset(work.fit.ahead, 0, 2 * count * ALL * sizeof(double)); // and behind
+        for (size_t i = 0; i < count; i++)
+        {
+            work.fit.steps[i] = i + 1 < count ? (times[i + 1] - times[i]) / work.step : 1;
+            work.fit.slacks[i] = 1;
+        }
         integrate(&work, path);
-        take_differences(&work);
         find_lambda(&work, sigma != 0);
         report->explained = work.alone > 0 ? 1 - work.energy / work.alone : 0;
         report->used = report->explained > 1 - CONTRADICTS && (sigma != 0 || predict_keys(&work));
@@ -250,6 +200,6 @@ bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, con
         else
             memset(path, 0, fused->count * 6 * sizeof *path);
     }
-    memory_pool_free(&work.pool);
+    smooth_fit_free(&work.fit);
     return status;
 }

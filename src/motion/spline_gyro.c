@@ -1,6 +1,7 @@
 #include "motion/spline_system.h"
 
 #include "base/error.h"
+#include "base/golden.h"
 #include "base/memory.h"
 #include "base/number_digits.h"
 #include "linalg/dense.h"
@@ -182,16 +183,11 @@ static double walk_of_rates(const bat_motion_gyro *gyro, double *sorted)
 /// the rates' own noise.
 static bool find_ratio(gyro_work *work)
 {
-    static const double GOLDEN = 0.6180339887498949;
     double least = work->noise > 0 ? work->walk * work->walk * work->step / (work->noise * work->noise) : 0;
-    double a = log(fmin(fmax(least, LOW_RATIO), HIGH_RATIO)), b = log(HIGH_RATIO);
-    for (int step = 0; step < SEARCH_STEPS; step++)
-    {
-        double x = b - GOLDEN * (b - a), y = a + GOLDEN * (b - a);
-        bool lower = filter(work, exp(x)) <= filter(work, exp(y));
-        *(lower ? &b : &a) = lower ? y : x;
-    }
-    return isfinite(filter(work, exp((a + b) / 2)));
+    golden_search search = golden_begin(log(fmin(fmax(least, LOW_RATIO), HIGH_RATIO)), log(HIGH_RATIO));
+    for (int step = 0; step <= SEARCH_STEPS; step++)
+        golden_tell(&search, filter(work, exp(search.at)));
+    return isfinite(filter(work, exp((search.low + search.high) / 2)));
 }
 
 /// A first bias: what the rates turn more than the keys, step by step.
