@@ -37,8 +37,8 @@ static const double SLOW = 0.3;
 static const double FAST = 0.85;
 
 /// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
-/// this many radians, at their rate of change beside it.
-static const double LONGER = 2.5, TOLD = 1.2;
+/// this many radians, at their rate of change beside it over this share of its time.
+static const double LONGER = 2.5, TOLD = 1.4, WIDE = 0.6;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
 /// which its weight falls; and the weight below which it counts as held, and is not used.
@@ -383,6 +383,41 @@ static bool place_at(const spline_system *system, size_t from, ptrdiff_t steps, 
     return at >= 0 && at < all;
 }
 
+/// Add the squares of the velocity and of the acceleration on one side of a gap, over about as long a time as the gap takes:
+/// those of short steps are noise. Beyond another gap nothing counts.
+static void add_pace(const spline_system *system, size_t gap, int side, double pace[2])
+{
+    const bat_space *space = &system->factor->space;
+    const double *h = system->lengths;
+    size_t n = size_of(system), near = side < 0 ? gap : key_after(system, gap), middle = 0, far = 0, j;
+    double span = 0, half = 0, towards[DIM], away[DIM];
+    ptrdiff_t steps = 0, inner = 1;
+    for (; (size_t)steps + 3 < system->count && span < WIDE * h[gap]; steps++)
+    {
+        bool inside = place_at(system, gap, side * (steps + 1), system->intervals, &j);
+        if (!inside || (steps > 1 && h[j] > fmax(h[gap], span) / LONGER))
+            break;
+        span += h[j];
+    }
+    for (; inner < steps && half < span / 2; inner++)
+    {
+        (void)place_at(system, gap, side * inner, system->intervals, &j);
+        half += h[j];
+    }
+    if (steps < 2 || !place_at(system, near, side * (inner - 1), system->count, &middle) ||
+        !place_at(system, near, side * steps, system->count, &far) ||
+        space->log(space, point_of(system, middle), point_of(system, near), towards) != BAT_OK ||
+        space->log(space, point_of(system, middle), point_of(system, far), away) != BAT_OK)
+        return;
+    for (size_t c = 0; c < n; c++)
+    {
+        towards[c] /= half;
+        away[c] = 2 * (towards[c] + away[c] / (span - half)) / span;
+    }
+    pace[0] += pow(norm_at(system, middle, towards), 2);
+    pace[1] += pow(norm_at(system, middle, away), 2);
+}
+
 /// Find the weights of intervals, by the rows of measure_roughness(): as those of Salkauskas (C1 splines for interpolation
 /// of rapidly varying data, 1984), but 1 where the motion is smooth. In a jump it accelerates, and then the opposite way, by
 /// far more than around. And find the shares of gaps, by velocities and accelerations beside them.
@@ -391,7 +426,7 @@ static void weigh(spline_system *system)
     const double *h = system->lengths, *rows = system->rows;
     for (size_t i = 0; i < system->intervals && system->count >= TELLING; i++)
     {
-        double beside = INFINITY, around[2] = {0}, pace[2] = {0}, rough[2] = {0};
+        double beside = INFINITY, around[2] = {0}, rough[2] = {0};
         size_t j, next = key_after(system, i);
         for (ptrdiff_t d = -2; d <= 3; d++)
         {
@@ -400,12 +435,8 @@ static void weigh(spline_system *system)
                 rough[c] += rows[3 * j + 1 + c];
             if (d != 0 && d != 1 && inside && isfinite(rows[3 * j]))
                 around[d > 0] = fmax(around[d > 0], rows[3 * j]);
-            if (d * d != 1 || !place_at(system, i, d, system->intervals, &j))
-                continue;
-            double bend = rows[3 * (d < 0 ? j : key_after(system, j))];
-            beside = fmin(beside, h[j]);
-            pace[0] += isfinite(bend) ? pow(spline_speed(system, j), 2) : 0;
-            pace[1] += isfinite(bend) ? bend * bend : 0;
+            if (d * d == 1 && place_at(system, i, d, system->intervals, &j))
+                beside = fmin(beside, h[j]);
         }
         double opposite = sqrt(fmax((rows[3 * next + 1] - rows[3 * next + 2]) / 2, 0));
         double own = fmin(opposite, fmin(rows[3 * i], rows[3 * next])), least = FAR * (around[0] + around[1]) / 2;
@@ -413,7 +444,10 @@ static void weigh(spline_system *system)
         system->held += weight < HELD && system->fixed[i] != KEY_GIVEN;
         weight = weight < HELD ? 0 : weight;
         system->weights[i] = fmax(weight * pow(fmin(h[i] / beside, 1), 1 - weight), MIN_WEIGHT);
-        if (gap_of(system, i) > LONGER && pace[0] > 0)
+        double pace[2] = {0};
+        for (int side = -1; side <= 1 && gap_of(system, i) > LONGER; side += 2)
+            add_pace(system, i, side, pace);
+        if (pace[0] > 0)
             system->calm[i] = fmax(1 - TOLD * sqrt(pace[0] / pace[1]) / h[i], 0);
     }
 }
