@@ -162,8 +162,7 @@ BAT_API bat_status bat_motion_times_read(const char *path, const bat_curve_set *
 BAT_API bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates,
                                          size_t *count, bat_error *error);
 
-/// The same with the specific forces of an accelerometer, in the next three columns: where the first of these has a name as
-/// `ax`, `a_RS_S_x` or `linear_acceleration_x`, or where there are seven columns without names.
+/// The same with the specific forces of an accelerometer in the next three columns, where these are numbers.
 ///
 /// @param gyro receives the arrays; release them with bat_motion_gyro_free()
 /// @return as bat_motion_times_read()

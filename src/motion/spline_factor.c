@@ -432,19 +432,6 @@ bat_status spline_middle(const spline_factor *f, const double *p, const double *
     return status == BAT_OK ? space->log(space, middle, q, log_q) : status;
 }
 
-bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
-                       double *pushed)
-{
-    if (f->kind == FACTOR_FLAT)
-        memcpy(pushed, vector, f->space.tangent_dim * sizeof *pushed);
-    else if (f->kind == FACTOR_ROTATION)
-        rotation_push(c, vector, pushed);
-    else
-        return f->kind == FACTOR_CURVED ? curved_push(f, middle, c, q, vector, pushed)
-                                        : any_push(f, middle, c, q, vector, pushed);
-    return BAT_OK;
-}
-
 bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
                        const spline_turning *turning, double *pulled)
 {
@@ -471,30 +458,23 @@ bat_status spline_acceleration(const spline_factor *f, const double *middle, con
     return BAT_OK;
 }
 
-/// The cubic with coefficients c at s, and its derivatives where wanted.
-static void polynomial_at(size_t n, const double *c, double s, double *value, double *first, double *second)
+/// The polynomial of a degree with coefficients c at s, and its derivatives where wanted.
+static void polynomial_at(size_t n, size_t degree, const double *c, double s, double *value, double *first, double *second)
 {
-    const double *c1 = c + n, *c2 = c + 2 * n, *c3 = c + 3 * n;
     for (size_t i = 0; i < n; i++)
-        value[i] = c[i] + s * (c1[i] + s * (c2[i] + s * c3[i]));
-    for (size_t i = 0; i < n && first != NULL; i++)
-        first[i] = c1[i] + s * (2 * c2[i] + 3 * s * c3[i]);
-    for (size_t i = 0; i < n && second != NULL; i++)
-        second[i] = 2 * c2[i] + 6 * s * c3[i];
-}
-
-static void flat_at(const spline_factor *f, const double *c, double s, double *value, double *first, double *second)
-{
-    size_t n = f->space.point_dim;
-    const double *c4 = c + 4 * n, *c5 = c + 5 * n;
-    polynomial_at(n, c, s, value, first, second);
-    for (size_t i = 0; i < n && f->quintic; i++)
     {
-        value[i] += s * s * s * s * (c4[i] + s * c5[i]);
+        double v = 0, slope = 0, bend = 0;
+        for (size_t k = degree + 1; k-- > 0;)
+        {
+            bend = bend * s + slope;
+            slope = slope * s + v;
+            v = v * s + c[k * n + i];
+        }
+        value[i] = v;
         if (first != NULL)
-            first[i] += s * s * s * (4 * c4[i] + 5 * s * c5[i]);
+            first[i] = slope;
         if (second != NULL)
-            second[i] += s * s * (12 * c4[i] + 20 * s * c5[i]);
+            second[i] = 2 * bend;
     }
 }
 
@@ -503,7 +483,7 @@ static void rotation_at(const double *record, double share, double *point, doubl
     const double *coefficients = record + 4;
     double c[3], first[3], second[3];
     bool rates = velocity != NULL || acceleration != NULL;
-    polynomial_at(3, coefficients, share, c, rates ? first : NULL, acceleration != NULL ? second : NULL);
+    polynomial_at(3, 3, coefficients, share, c, rates ? first : NULL, acceleration != NULL ? second : NULL);
     quaternion_turn(record, c[0], c[1], c[2], point);
     if (acceleration != NULL)
     {
@@ -521,8 +501,9 @@ static bat_status curve_at(const spline_factor *f, const double *record, double 
     const double *coefficients = record + space->point_dim;
     size_t n = space->tangent_dim;
     double c[DIM], first[DIM], second[DIM], third[DIM] = {0};
+    c[0] = 0; // where there are no coordinates
     bool rates = velocity != NULL || acceleration != NULL;
-    polynomial_at(n, coefficients, share, c, rates ? first : NULL, rates ? second : NULL);
+    polynomial_at(n, 3, coefficients, share, c, rates ? first : NULL, rates ? second : NULL);
     bat_status status = space->exp(space, record, c, point);
     if (status != BAT_OK || !rates)
         return status;
@@ -544,7 +525,7 @@ bat_status spline_factor_at(const spline_factor *f, const double *record, double
                             double *acceleration)
 {
     if (f->kind == FACTOR_FLAT)
-        flat_at(f, record, share, point, velocity, acceleration);
+        polynomial_at(f->space.point_dim, f->quintic ? 5 : 3, record, share, point, velocity, acceleration);
     else if (f->kind == FACTOR_ROTATION)
         rotation_at(record, share, point, velocity, acceleration);
     else

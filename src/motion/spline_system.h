@@ -62,11 +62,8 @@ bat_status spline_middle(const spline_factor *f, const double *p, const double *
 /// Rotate v by the rotation vector e.
 void spline_rotate(const double *e, const double *v, double *rotated);
 
-/// The differential of exp_m at c, of a vector; `q` is exp_m(c).
-bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
-                       double *pushed);
-/// Its inverse. `turning` is that of c, for FACTOR_ROTATION. `pulled` is an approximation first, where derivatives are
-/// differences: each call improves it.
+/// The inverse of the differential of exp_m at c, of a vector; `q` is exp_m(c). `turning` is that of c, for FACTOR_ROTATION.
+/// `pulled` is an approximation first, where derivatives are differences: each call improves it.
 bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
                        const spline_turning *turning, double *pulled);
 /// The covariant acceleration of exp_m(c(s)) at q = exp_m(c); `turning` as before.

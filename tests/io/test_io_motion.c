@@ -574,23 +574,22 @@ static void files_of_times_are_read(void **state)
     assert_true(rates[0] == 1 && rates[4] == -5 && rates[5] == 0.6);
     free(times);
     free(rates);
-    // Accelerations beside them: by their names, or where there are seven columns and no names.
+    // Accelerations beside them, where three columns more are numbers.
     static const struct
     {
-        const char *header;
+        const char *header, *row;
         bool told;
-    } headers[] = {{"#timestamp [ns],w_RS_S_x,w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],a_RS_S_y,a_RS_S_z\n", true},
-                   {"time,wx,wy,wz, ax,ay,az\n", true},
-                   {"t,x,y,z,linear_acceleration_x,linear_acceleration_y,linear_acceleration_z\n", true},
-                   {"time,wx,wy,wz,angle,temperature,voltage\n", false},
-                   {"# rates\n", true},
-                   {"", true}};
+    } headers[] = {{"#timestamp [ns],w_RS_S_x,w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],a_RS_S_y,a_RS_S_z\n", "4,5,6", true},
+                   {"time,wx,wy,wz,ax,ay,az,temperature\n", "4,5,6,warm", true},
+                   {"", "4,5,6", true},
+                   {"time,wx,wy,wz,place,x,y\n", "here,5,6", false},
+                   {"", "4,5", false}};
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
     {
         bat_motion_gyro gyro;
         FILE *file = fopen(path, "w");
         assert_non_null(file);
-        (void)fprintf(file, "%s1,1,2,3,4,5,6\n2,1,2,3,7,8,9\n", headers[i].header);
+        (void)fprintf(file, "%s1,1,2,3,%s\n2,1,2,3,7,8,9,0\n", headers[i].header, headers[i].row);
         assert_int_equal(fclose(file), 0);
         assert_int_equal(bat_motion_gyro_read(path, NULL, &gyro, NULL), BAT_OK);
         assert_int_equal(gyro.count, 2);

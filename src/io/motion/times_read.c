@@ -18,8 +18,8 @@ typedef struct time_list
     double *times;
     size_t count, capacity;
     bool with_rates;
-    bool with_forces, named; ///< accelerations are wanted, then there; columns have names
-    double *rates, *forces;  ///< count x RATES
+    bool with_forces;       ///< accelerations are wanted; from the first row on: are there
+    double *rates, *forces; ///< count x RATES
     size_t rate_count, rate_capacity, force_count, force_capacity;
     int64_t origin;
     int decimals; ///< of the unit; 0: by the size
@@ -47,35 +47,18 @@ static const char *read_time(const time_list *list, const char *begin, const cha
     return fault;
 }
 
-/// Whether a name is that of an acceleration: ax, a_RS_S_x, acc_x, linear_acceleration_x.
-static bool names_acceleration(csv_field field)
-{
-    const char *begin = field.begin;
-    while (begin < field.end && *begin == ' ')
-        begin++;
-    bool named = field.end - begin > 1 && begin[0] == 'a' && (begin[1] == 'x' || begin[1] == '_');
-    for (; field.end - begin > 2 && !named; begin++)
-        named = strncmp(begin, "acc", 3) == 0;
-    return named;
-}
-
 static bat_status add_line(time_list *list, const file_text *text, const text_line *line, bat_error *error)
 {
     csv_field fields[BAT_SPACE_MAX_DIM] = {{line->begin, line->end}};
     char excerpt[EXCERPT_SIZE], before[NUMBER_DIGITS_SIZE], digits[NUMBER_DIGITS_SIZE], separator = csv_find_separator(line);
     double time, rate;
     size_t found = 1;
-    const char *fault = list->with_rates ? csv_split(text, line, separator, fields, &found) : NULL;
-    bool comment = line->begin == line->end || *line->begin == '#';
-    if (list->count == 0 && fault == NULL && found > 2 * RATES && (comment || !number_resembles(line->begin, fields[0].end)))
-    {
-        list->named = true;
-        list->with_forces = list->with_forces && names_acceleration(fields[1 + RATES]);
-    }
-    if (comment)
+    if (line->begin == line->end || *line->begin == '#')
         return BAT_OK;
-    if (list->count == 0 && !list->named && number_resembles(line->begin, fields[0].end))
-        list->with_forces = list->with_forces && found == 1 + 2 * RATES;
+    const char *fault = list->with_rates ? csv_split(text, line, separator, fields, &found) : NULL;
+    bool comma = false;
+    for (size_t c = RATES + 1; c <= 2 * RATES && list->count == 0 && number_resembles(line->begin, fields[0].end); c++)
+        list->with_forces = list->with_forces && c < found && csv_read_number(fields[c], separator, &rate, &comma) == NULL;
     size_t wanted = list->with_forces ? 1 + 2 * RATES : list->with_rates ? 1 + RATES : 1;
     if (fault == NULL && found < wanted)
         fault =
@@ -93,7 +76,7 @@ static bat_status add_line(time_list *list, const file_text *text, const text_li
     if (list->count > 0 && !(time > list->times[list->count - 1]))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "the time %s does not come after %s",
                          number_digits(time, digits), number_digits(list->times[list->count - 1], before));
-    bool comma = false, good = ARRAY_ADD(list->times, list->capacity, list->count, time);
+    bool good = ARRAY_ADD(list->times, list->capacity, list->count, time);
     for (size_t c = 1; good && c < wanted; c++)
     {
         fault = csv_read_number(fields[c], separator, &rate, &comma);
