@@ -80,7 +80,7 @@ typedef struct bat_motion_gyro_report
 /// What keys and an accelerometer tell of each other. It measures R^T (acceleration - gravity) + bias, R being the rotation.
 typedef struct bat_motion_force_report
 {
-    double bias[3], bias_sigma[3]; ///< all the time the same, with its standard deviations
+    double bias[3], bias_sigma[3]; ///< all the time the same, with its standard deviations, as if rotations were exact
     double gravity[3];             ///< in the fixed frame
     double noise;                  ///< of the acceleration, in its unit and a root of time
     double explained;              ///< the share of the energy of the keys' accelerations that the forces tell
