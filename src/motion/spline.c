@@ -41,6 +41,7 @@ static const double AGREED = 1, MOST_AGREE = 0.9;
 
 struct bat_motion_spline
 {
+    memory_pool pool; ///< holds the arrays but for the factors
     bat_space space;
     spline_factor *factors;
     size_t factor_count;
@@ -140,14 +141,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     if (spline == NULL)
         return;
     free(spline->factors);
-    free(spline->times);
-    free(spline->buckets);
-    free(spline->points);
-    free(spline->velocities);
-    free(spline->deviations);
-    free(spline->uncertainties);
-    free(spline->wander);
-    free(spline->records);
+    memory_pool_free(&spline->pool);
     spline_timing_free(&spline->timing);
     free(spline);
 }
@@ -195,18 +189,16 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     spline->factors = fitted != NULL ? fitted : spline->factors;
     const spline_factor *last = &spline->factors[spline->factor_count - 1];
     spline->record_size = last->record_at + spline_factor_record_size(last);
-    spline->times = memory_array(spline->intervals + 1, sizeof(double));
-    spline->buckets = memory_array(PARTS * spline->intervals + 1, sizeof(size_t));
-    spline->points = memory_array(keys->count, space->point_dim * sizeof(double));
-    spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
-    spline->deviations = calloc(keys->count, sizeof(double));
-    spline->uncertainties = calloc(keys->count, space->tangent_dim * sizeof(double));
-    spline->wander = calloc(keys->count, space->tangent_dim * sizeof(double));
-    spline->records = memory_array(spline->intervals, spline->record_size * sizeof(double));
-    if (spline->times == NULL || spline->buckets == NULL || spline->points == NULL || spline->velocities == NULL ||
-        spline->deviations == NULL || spline->uncertainties == NULL || spline->wander == NULL || spline->records == NULL)
-        return error_memory(error, spline->intervals * spline->record_size * sizeof(double));
-    return BAT_OK;
+    size_t tangents = space->tangent_dim * sizeof(double);
+    spline->times = memory_pool_array(&spline->pool, spline->intervals + 1, sizeof(double));
+    spline->buckets = memory_pool_array(&spline->pool, PARTS * spline->intervals + 1, sizeof(size_t));
+    spline->points = memory_pool_array(&spline->pool, keys->count, space->point_dim * sizeof(double));
+    spline->velocities = memory_pool_array(&spline->pool, keys->count, tangents);
+    spline->deviations = memory_pool_zeros(&spline->pool, keys->count, sizeof(double));
+    spline->uncertainties = memory_pool_zeros(&spline->pool, keys->count, tangents);
+    spline->wander = memory_pool_zeros(&spline->pool, keys->count, tangents);
+    spline->records = memory_pool_array(&spline->pool, spline->intervals, spline->record_size * sizeof(double));
+    return memory_pool_check(&spline->pool, error);
 }
 
 /// Columns `at` to `at + size` of rows of `stride` numbers.
@@ -363,17 +355,13 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
     const spline_factor *f = &spline->factors[index];
     size_t dim = f->space.point_dim, n = f->space.tangent_dim, all = spline->space.point_dim;
     spline_system system = {.factor = f, .count = spline->count, .intervals = spline->intervals, .lengths = lengths};
-    double *points = memory_array(spline->count, dim * sizeof *points);
-    system.velocities = memory_array(spline->count, n * sizeof *points);
+    double *points = memory_pool_array(&system.pool, spline->count, dim * sizeof *points);
+    double *ways = f->kind == FACTOR_ROTATION ? memory_pool_array(&system.pool, spline->intervals, 3 * sizeof *ways) : NULL;
     system.points = points;
-    bool allocated = spline_system_allocate(&system) && points != NULL && system.velocities != NULL;
-    double *ways = f->kind == FACTOR_ROTATION ? memory_array(spline->intervals, 3 * sizeof *ways) : NULL;
-    allocated = allocated && (ways != NULL || f->kind != FACTOR_ROTATION);
-    bat_status status = allocated ? BAT_OK : error_memory(error, spline->count * dim * sizeof *points);
+    bat_status status = spline_system_allocate(&system, error);
     if (status == BAT_OK)
     {
         gather(keys->points, spline->count, all, f->point_at, dim, points);
-        memset(system.velocities, 0, spline->count * n * sizeof *system.velocities);
         continue_signs(f, spline->count, points, NULL);
         double sigma = sigma_of(spline, options, index);
         if (sigma != 0)
@@ -405,10 +393,7 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
     spline->held += system.held;
     if (status == BAT_OK)
         scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->velocities);
-    spline_system_free(&system);
-    free(points);
-    free(ways);
-    free(system.velocities);
+    memory_pool_free(&system.pool);
     return status;
 }
 
@@ -892,8 +877,10 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
     if (fault != NULL)
         return error_option(error, "gyro", "%s", fault);
     gyro_fusion fused = {0};
-    double *times = memory_array(count, sizeof *times), *rotations = memory_array(count, 4 * sizeof *rotations);
-    bat_status status = times != NULL && rotations != NULL ? BAT_OK : error_memory(error, count * 4 * sizeof *rotations);
+    memory_pool pool = {0};
+    double *times = memory_pool_array(&pool, count, sizeof *times),
+           *rotations = memory_pool_array(&pool, count, 4 * sizeof *rotations);
+    bat_status status = memory_pool_check(&pool, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         times[i] = keys->times != NULL ? keys->times[i] : (double)i;
     if (status == BAT_OK)
@@ -903,13 +890,13 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
             gyro_fuse(times, rotations, count, options->gyro, rigid ? options->angle_sigma : options->sigma, &fused, error);
     }
     bat_hermite_curve given = *keys, made = {.space = keys->space, .times = fused.times, .count = fused.count};
-    double *deviations = calloc(fused.count + 1, n * sizeof *deviations), sigma = 0;
+    double *deviations = memory_pool_zeros(&pool, fused.count + 1, n * sizeof *deviations), sigma = 0;
     bat_motion_force_report force = {0};
     given.times = times;
-    made.points = memory_array(fused.count + 1, dim * sizeof(double));
-    made.tangents = memory_array(fused.count + 1, n * sizeof(double));
-    if (status == BAT_OK && (made.points == NULL || made.tangents == NULL || deviations == NULL))
-        status = error_memory(error, fused.count * dim * sizeof(double));
+    made.points = memory_pool_array(&pool, fused.count + 1, dim * sizeof(double));
+    made.tangents = memory_pool_array(&pool, fused.count + 1, n * sizeof(double));
+    if (status == BAT_OK)
+        status = memory_pool_check(&pool, error);
     if (status == BAT_OK && rigid)
         status = move_between(&given, options, &fused, &made, deviations, &sigma, &force, error);
     bat_motion_spline_options how = *options;
@@ -937,11 +924,7 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
         (*spline)->sigmas[1] = rigid ? fused.report.sigma : 0;
     }
     gyro_fusion_free(&fused);
-    free(deviations);
-    free(made.points);
-    free(made.tangents);
-    free(times);
-    free(rotations);
+    memory_pool_free(&pool);
     return status;
 }
 

@@ -148,7 +148,7 @@ bat_status spline_charts_make(spline_system *system, bat_error *error)
     if (!has_axes(system))
         return BAT_OK;
     double *work = memory_array(BLOCK * ROWS, 2 * (space->point_dim + space->tangent_dim) * sizeof *work);
-    system->charts = memory_array(system->intervals, sizeof *system->charts);
+    system->charts = memory_pool_array(&system->pool, system->intervals, sizeof *system->charts);
     bat_status status = work != NULL && system->charts != NULL ? BAT_OK : error_memory(error, BLOCK * sizeof *work);
     for (size_t i = 0; i < system->intervals && status == BAT_OK; i += BLOCK)
     {

@@ -52,40 +52,26 @@ typedef enum end_row
     ROW_MEAN ///< the mean velocity of the interval
 } end_row;
 
-bool spline_system_allocate(spline_system *system)
+bat_status spline_system_allocate(spline_system *system, bat_error *error)
 {
-    size_t n = system->factor->space.tangent_dim;
-    system->middles = memory_array(system->intervals, system->factor->space.point_dim * sizeof(double));
-    system->logs = memory_array(system->intervals, 2 * n * sizeof(double));
-    system->slopes = memory_array(system->intervals, 2 * n * sizeof(double));
-    system->accelerations = memory_array(system->intervals, 2 * n * sizeof(double));
+    size_t n = system->factor->space.tangent_dim, numbers = 2 * n * sizeof(double);
+    memory_pool *pool = &system->pool;
     bool turns = system->factor->kind == FACTOR_ROTATION;
-    system->turnings = turns ? memory_array(system->intervals, 2 * sizeof *system->turnings) : NULL;
-    system->residuals = memory_array(system->count, n * sizeof(double));
-    system->rows = memory_array(system->count, 3 * sizeof(double));
-    system->weights = memory_array(system->intervals, sizeof(double));
-    system->calm = calloc(system->intervals, sizeof(double));
-    for (size_t i = 0; i < system->intervals && system->weights != NULL; i++)
+    system->velocities = memory_pool_zeros(pool, system->count, n * sizeof(double));
+    system->middles = memory_pool_array(pool, system->intervals, system->factor->space.point_dim * sizeof(double));
+    system->logs = memory_pool_array(pool, system->intervals, numbers);
+    system->slopes = memory_pool_array(pool, system->intervals, numbers);
+    system->accelerations = memory_pool_array(pool, system->intervals, numbers);
+    system->turnings = turns ? memory_pool_array(pool, system->intervals, 2 * sizeof *system->turnings) : NULL;
+    system->residuals = memory_pool_array(pool, system->count, n * sizeof(double));
+    system->rows = memory_pool_array(pool, system->count, 3 * sizeof(double));
+    system->weights = memory_pool_array(pool, system->intervals, sizeof(double));
+    system->calm = memory_pool_zeros(pool, system->intervals, sizeof(double));
+    system->fixed = memory_pool_zeros(pool, system->count, sizeof *system->fixed);
+    bat_status status = memory_pool_check(pool, error);
+    for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
         system->weights[i] = 1;
-    system->fixed = calloc(system->count, sizeof *system->fixed);
-    return (!turns || system->turnings != NULL) && system->middles != NULL && system->logs != NULL &&
-           system->slopes != NULL && system->accelerations != NULL && system->residuals != NULL && system->rows != NULL &&
-           system->weights != NULL && system->calm != NULL && system->fixed != NULL;
-}
-
-void spline_system_free(spline_system *system)
-{
-    free(system->middles);
-    free(system->logs);
-    free(system->slopes);
-    free(system->accelerations);
-    free(system->turnings);
-    free(system->charts);
-    free(system->residuals);
-    free(system->rows);
-    free(system->weights);
-    free(system->calm);
-    free(system->fixed);
+    return status;
 }
 
 static size_t size_of(const spline_system *system)

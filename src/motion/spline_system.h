@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/memory.h"
 #include "batten/motion_spline.h"
 #include "batten/space.h"
 
@@ -116,6 +117,7 @@ typedef enum key_state
 typedef struct spline_system
 {
     const spline_factor *factor;
+    memory_pool pool;      ///< holds the arrays
     size_t count;          ///< of keys
     size_t intervals;      ///< count when closed, else count - 1
     const double *points;  ///< count x point_dim
@@ -140,10 +142,8 @@ typedef struct spline_system
     size_t held;          ///< intervals that spline_system_hold() found, or of little weight
 } spline_system;
 
-/// Allocate the arrays but for points, lengths and velocities.
-/// @return false when out of memory; release in any case
-bool spline_system_allocate(spline_system *system);
-void spline_system_free(spline_system *system);
+/// Allocate the arrays but for points and lengths; release the pool in any case.
+bat_status spline_system_allocate(spline_system *system, bat_error *error);
 
 /// Find the middles and the logarithms of all intervals.
 /// @return BAT_OK, or BAT_CUT_LOCUS or BAT_INVALID_POINT with the key that begins the failing interval

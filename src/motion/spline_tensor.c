@@ -73,13 +73,12 @@ bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, ba
     const spline_factor linear = {.kind = FACTOR_FLAT, .space = bat_euclidean(n)};
     spline_system flat = {
         .factor = &linear, .count = system->count, .intervals = system->intervals, .lengths = system->lengths};
-    double identity[DIM], end[2][DIM], *logs = memory_array(system->count, n * sizeof *logs);
-    flat.velocities = calloc(system->count, n * sizeof *logs);
+    double identity[DIM], end[2][DIM], *logs = memory_pool_array(&flat.pool, system->count, n * sizeof *logs);
     flat.points = logs;
     positive_definite_identity(space, identity);
-    bool allocated = spline_system_allocate(&flat) && logs != NULL && flat.velocities != NULL;
-    bat_status status = allocated ? take_logarithms(system, identity, logs, &flat, error)
-                                  : error_memory(error, system->count * n * sizeof *logs);
+    bat_status status = spline_system_allocate(&flat, error);
+    if (status == BAT_OK)
+        status = take_logarithms(system, identity, logs, &flat, error);
     while (status == BAT_OK && given < flat.count && flat.fixed[given] == KEY_GIVEN)
         given++;
     if (status == BAT_OK)
@@ -97,8 +96,6 @@ bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, ba
         spline_system_record(&flat, i, records + i * record_size + n);
     }
     system->held = flat.held;
-    spline_system_free(&flat);
-    free(logs);
-    free(flat.velocities);
+    memory_pool_free(&flat.pool);
     return status;
 }
