@@ -565,15 +565,6 @@ static json_t *report_noise(const curve_job *job, bool as_json)
                        (int)(moved->angle_sigma > 0), (int)(job->motion.spline.sigma < 0));
 }
 
-/// Keys whose step says nothing of the velocity: near in time, or in a jump.
-static json_t *report_held(const curve_job *job, bool as_json)
-{
-    return report_part(as_json,
-                       "held: {held} step[!one?s] between near keys, or in a jump, said nothing of the velocity, which is "
-                       "that of the motion around; --tangents smooth goes through it as it is\n",
-                       "held:z -one:b", job->findings.moved.held, (int)(job->findings.moved.held == 1));
-}
-
 /// The peaks of speeds, accelerations and jerks, of poses also those of turns; new times.
 static json_t *report_peaks(const curve_job *job, bool as_json)
 {
@@ -590,50 +581,18 @@ static json_t *report_peaks(const curve_job *job, bool as_json)
                        (int)(strcmp(job->coarse.space->name, "rigid") == 0), (int)limited);
 }
 
-/// What keyframes and a gyroscope tell of each other.
-static json_t *report_gyro(const curve_job *job, bool as_json)
-{
-    const bat_motion_gyro_report *gyro = &job->findings.moved.gyro;
-    const double *bias = gyro->bias, *sigma = gyro->bias_sigma;
-    return report_part(as_json,
-                       "gyroscope: bias {bias_x:.4g}, {bias_y:.4g}, {bias_z:.4g} rad/s, +- {sigma_x:.2g}, {sigma_y:.2g}, "
-                       "{sigma_z:.2g}; noise of its angle {walk:.3g} rad a root of a second\n",
-                       "bias_x:n bias_y:n bias_z:n sigma_x:n sigma_y:n sigma_z:n walk:n", bias[0], bias[1], bias[2],
-                       sigma[0], sigma[1], sigma[2], gyro->walk);
-}
-
+/// What keyframes and an accelerometer tell of each other.
 static json_t *report_force(const curve_job *job, bool as_json)
 {
     const bat_motion_force_report *force = &job->findings.moved.force;
-    const double *bias = force->bias, *sigma = force->bias_sigma, *g = force->gravity;
+    const double *b = force->bias, *g = force->gravity;
     return report_part(
         as_json,
         "accelerometer[!used? not used]: tells {explained:.3g} of the energy of the keyframes' accelerations; "
-        "bias {bias_x:.3g}, {bias_y:.3g}, {bias_z:.3g}, +- {sigma_x:.2g}, {sigma_y:.2g}, {sigma_z:.2g}; "
-        "gravity {gravity_x:.4g}, {gravity_y:.4g}, {gravity_z:.4g}; noise {noise:.3g}\n",
-        "explained:n bias_x:n bias_y:n bias_z:n sigma_x:n sigma_y:n sigma_z:n gravity_x:n gravity_y:n "
-        "gravity_z:n noise:n used:b",
-        force->explained, bias[0], bias[1], bias[2], sigma[0], sigma[1], sigma[2], g[0], g[1], g[2], force->noise,
-        (int)force->used);
-}
-
-/// Rotations that go another way than the shortest.
-static json_t *report_turned(const curve_job *job, bool as_json)
-{
-    return report_part(
-        as_json,
-        "turns: {turned} interval[!one?s] of rotations go[one?es] another way than the shortest, as velocities, "
-        "rotation vectors or angles tell\n",
-        "turned:z -one:b", job->findings.moved.turned, (int)(job->findings.moved.turned == 1));
-}
-
-/// Given velocities that the keys contradict.
-static json_t *report_conflict(const curve_job *job, bool as_json)
-{
-    return report_part(as_json,
-                       "velocities: those of IN differ from the keys' mean ones by {conflict:.3g} of these: their unit or "
-                       "frame may be another; without their columns, the keys tell them\n",
-                       "conflict:n", job->findings.moved.conflict);
+        "bias {bias_x:.3g}, {bias_y:.3g}, {bias_z:.3g}; gravity {gravity_x:.4g}, {gravity_y:.4g}, "
+        "{gravity_z:.4g}; noise {noise:.3g}\n",
+        "explained:n bias_x:n bias_y:n bias_z:n gravity_x:n gravity_y:n gravity_z:n noise:n used:b", force->explained, b[0],
+        b[1], b[2], g[0], g[1], g[2], force->noise, (int)force->used);
 }
 
 /// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit", or the other amounts. Returns it for JSON.
@@ -700,11 +659,40 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
     bool noisy = findings->moved.sigma > 0 || findings->moved.angle_sigma > 0 || job->motion.spline.sigma < 0;
     json_t *noise = noisy ? report_noise(job, json) : json_null();
-    json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
-    json_t *gyro = job->gyro_file != NULL ? report_gyro(job, json) : json_null();
+    const bat_motion_report *moved = &findings->moved;
+    json_t *held =
+        moved->held == 0
+            ? json_null()
+            : report_part(
+                  json,
+                  "held: {held} step[!one?s] between near keys, or in a jump, said nothing of the velocity, which is "
+                  "that of the motion around; --tangents smooth goes through it as it is\n",
+                  "held:z -one:b", moved->held, (int)(moved->held == 1));
+    const double *bias = moved->gyro.bias, *sigma = moved->gyro.bias_sigma;
+    json_t *gyro = job->gyro_file == NULL
+                       ? json_null()
+                       : report_part(json,
+                                     "gyroscope: bias {bias_x:.4g}, {bias_y:.4g}, {bias_z:.4g} rad/s, +- {sigma_x:.2g}, "
+                                     "{sigma_y:.2g}, {sigma_z:.2g}; "
+                                     "noise of its angle {walk:.3g} rad a root of a second\n",
+                                     "bias_x:n bias_y:n bias_z:n sigma_x:n sigma_y:n sigma_z:n walk:n", bias[0], bias[1],
+                                     bias[2], sigma[0], sigma[1], sigma[2], moved->gyro.walk);
     json_t *force = findings->moved.force.noise > 0 ? report_force(job, json) : json_null();
-    json_t *turned = findings->moved.turned > 0 ? report_turned(job, json) : json_null();
-    json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
+    json_t *turned =
+        moved->turned == 0
+            ? json_null()
+            : report_part(json,
+                          "turns: {turned} interval[!one?s] of rotations go[one?es] another way than the shortest, as "
+                          "velocities, rotation vectors or angles tell\n",
+                          "turned:z -one:b", moved->turned, (int)(moved->turned == 1));
+    json_t *conflict =
+        !(moved->conflict > CONFLICT)
+            ? json_null()
+            : report_part(
+                  json,
+                  "velocities: those of IN differ from the keys' mean ones by {conflict:.3g} of these: their unit or "
+                  "frame may be another; without their columns, the keys tell them\n",
+                  "conflict:n", moved->conflict);
     json_t *peaks = findings->moved.duration > 0 ? report_peaks(job, json) : json_null();
     json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
     if (!json && corners)

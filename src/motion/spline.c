@@ -923,7 +923,7 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
         (*spline)->sigmas[0] = rigid ? sigma : fused.report.sigma;
         (*spline)->sigmas[1] = rigid ? fused.report.sigma : 0;
     }
-    gyro_fusion_free(&fused);
+    memory_pool_free(&fused.pool);
     memory_pool_free(&pool);
     return status;
 }

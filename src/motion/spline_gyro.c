@@ -32,7 +32,6 @@ static const double LOW_RATIO = 1e-10, HIGH_RATIO = 1e6, SETTLED = 1e-10;
 
 typedef struct gyro_work
 {
-    memory_pool pool;
     const double *times, *keys;
     const bat_motion_gyro *gyro;
     gyro_fusion *fused;
@@ -313,16 +312,15 @@ static bat_status allocate(gyro_work *work, bat_error *error)
 {
     size_t most = work->count + work->gyro->count;
     gyro_fusion *fused = work->fused;
-    work->places = memory_pool_array(&work->pool, work->count + 1, sizeof *work->places);
-    work->turned = memory_pool_array(&work->pool, most, 4 * sizeof(double));
-    work->columns = memory_pool_array(&work->pool, work->count, COLUMNS * sizeof(double));
-    work->levels = memory_pool_array(&work->pool, work->count, COLUMNS * sizeof(double));
-    work->variances = memory_pool_array(&work->pool, work->count, sizeof(double));
-    fused->times = memory_array(most, sizeof(double));
-    fused->rotations = memory_array(most, 4 * sizeof(double));
-    fused->deviations = memory_array(most, sizeof(double));
-    bool good = fused->times != NULL && fused->rotations != NULL && fused->deviations != NULL;
-    return good ? memory_pool_check(&work->pool, error) : error_memory(error, most * 4 * sizeof(double));
+    work->places = memory_pool_array(&fused->pool, work->count + 1, sizeof *work->places);
+    work->turned = memory_pool_array(&fused->pool, most, 4 * sizeof(double));
+    work->columns = memory_pool_array(&fused->pool, work->count, COLUMNS * sizeof(double));
+    work->levels = memory_pool_array(&fused->pool, work->count, COLUMNS * sizeof(double));
+    work->variances = memory_pool_array(&fused->pool, work->count, sizeof(double));
+    fused->times = memory_pool_array(&fused->pool, most, sizeof(double));
+    fused->rotations = memory_pool_array(&fused->pool, most, 4 * sizeof(double));
+    fused->deviations = memory_pool_array(&fused->pool, most, sizeof(double));
+    return memory_pool_check(&fused->pool, error);
 }
 
 bat_status gyro_fuse(const double *times, const double *keys, size_t count, const bat_motion_gyro *gyro, double sigma,
@@ -365,16 +363,5 @@ bat_status gyro_fuse(const double *times, const double *keys, size_t count, cons
             fusion->report.bias_sigma[c] = work.noise * sqrt(work.spread[4 * c]);
         }
     }
-    else
-        gyro_fusion_free(fusion);
-    memory_pool_free(&work.pool);
     return status;
-}
-
-void gyro_fusion_free(gyro_fusion *fusion)
-{
-    free(fusion->times);
-    free(fusion->rotations);
-    free(fusion->deviations);
-    *fusion = (gyro_fusion){0};
 }

@@ -232,6 +232,7 @@ double motion_outliers_threshold(bat_motion_outliers outliers);
 /// What a gyroscope and noisy rotations tell together.
 typedef struct gyro_fusion
 {
+    memory_pool pool;          ///< holds the arrays; release it in any case
     double *times, *rotations; ///< count, and count x 4: at the keys and at the rates between them
     double *deviations;        ///< count: of the rotations about any axis, in radians
     size_t count;
@@ -245,7 +246,6 @@ typedef struct gyro_fusion
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED or BAT_NO_MEMORY
 bat_status gyro_fuse(const double *times, const double *keys, size_t count, const bat_motion_gyro *gyro, double sigma,
                      gyro_fusion *fusion, bat_error *error);
-void gyro_fusion_free(gyro_fusion *fusion);
 
 /// A row of 3 measurements at a time, linear between. `*near` is one before it, and goes up.
 void gyro_row_at(const bat_motion_gyro *gyro, const double *rows, double time, size_t *near, double *row);
