@@ -22,24 +22,24 @@ enum
 };
 
 /// The matrices of one end, from the derivatives on its lines, which are longer by `scale`.
-static bool fill_end(size_t n, double scale, double (*first)[N], double (*second)[N], spline_chart_end *end)
+static bool fill_end(size_t n, double scale, double (*first)[N], double (*second)[N], double *push)
 {
+    double *pull = push + n * n, (*bend)[n][n] = (double(*)[n][n])(push + 2 * n * n);
     for (size_t c = 0; c < n; c++)
         for (size_t i = 0; i < n; i++)
         {
-            end->push[c * n + i] = first[i][c] / scale;
-            end->bend[i][i][c] = second[i][c] / (scale * scale);
+            push[c * n + i] = first[i][c] / scale;
+            bend[i][i][c] = second[i][c] / (scale * scale);
         }
     for (size_t i = 0, line = n; i < n; i++)
         for (size_t j = i + 1; j < n; j++, line++)
             for (size_t c = 0; c < n; c++)
-                end->bend[i][j][c] = end->bend[j][i][c] =
-                    (second[line][c] / (scale * scale) - end->bend[i][i][c] - end->bend[j][j][c]) / 2;
+                bend[i][j][c] = bend[j][i][c] = (second[line][c] / (scale * scale) - bend[i][i][c] - bend[j][j][c]) / 2;
     double destroyed[N * N];
-    memcpy(destroyed, end->push, n * n * sizeof *destroyed);
+    memcpy(destroyed, push, n * n * sizeof *destroyed);
     for (size_t i = 0; i < n * n; i++)
-        end->pull[i] = i % (n + 1) == 0;
-    return decompose_solve(n, n, destroyed, end->pull, NULL) == BAT_OK;
+        pull[i] = i % (n + 1) == 0;
+    return decompose_solve(n, n, destroyed, pull, NULL) == BAT_OK;
 }
 
 /// Line k through a logarithm: along an axis, or along two.
@@ -90,7 +90,7 @@ static bat_status differentiate(const spline_system *system, size_t from, size_t
     {
         for (size_t k = 0; k < lines; k++)
             spline_differences(n, vectors + (i * each + k * SPLINE_PLACES) * n, first[k], second[k]);
-        if (!fill_end(n, scales[i / 2][i % 2], first, second, &system->charts[from + i / 2].ends[i % 2]))
+        if (!fill_end(n, scales[i / 2][i % 2], first, second, spline_chart(system, from + i / 2, i % 2)))
             status = BAT_INVALID_POINT;
     }
     return status;
@@ -119,7 +119,8 @@ static bat_status transport(const spline_system *system, size_t from, size_t cou
     bat_status status = bat_space_transports(space, bases, goals, vectors, made, moved, error);
     for (size_t row = 0; row < made && status == BAT_OK; row++)
         for (size_t c = 0; c < n; c++)
-            system->charts[from + row / n / CHART_WAYS].ways[row / n % CHART_WAYS][c * n + row % n] = moved[row * n + c];
+            spline_chart(system, from + row / n / CHART_WAYS, 2)[(row / n % CHART_WAYS * n + c) * n + row % n] =
+                moved[row * n + c];
     return status;
 }
 
@@ -145,10 +146,11 @@ static bool has_axes(const spline_system *system)
 bat_status spline_charts_make(spline_system *system, bat_error *error)
 {
     const bat_space *space = &system->factor->space;
+    size_t n = space->tangent_dim;
     if (!has_axes(system))
         return BAT_OK;
     double *work = memory_array(BLOCK * ROWS, 2 * (space->point_dim + space->tangent_dim) * sizeof *work);
-    system->charts = memory_pool_array(&system->pool, system->intervals, sizeof *system->charts);
+    system->charts = memory_pool_array(&system->pool, system->intervals, (2 * n + 8) * n * n * sizeof *work);
     bat_status status = work != NULL && system->charts != NULL ? BAT_OK : error_memory(error, BLOCK * sizeof *work);
     for (size_t i = 0; i < system->intervals && status == BAT_OK; i += BLOCK)
     {
@@ -172,7 +174,7 @@ bool spline_chart_transport(const spline_system *system, size_t interval, spline
     if (system->charts == NULL)
         return false;
     size_t way = from == AT_MIDDLE ? (to == AT_BEGIN ? 2 : 3) : from == AT_BEGIN ? 0 : 1;
-    const double *matrix = system->charts[interval].ways[way];
+    const double *matrix = spline_chart(system, interval, 2) + way * n * n;
     for (size_t c = 0; c < n; c++)
     {
         transported[c] = 0;

@@ -172,9 +172,9 @@ static const spline_turning *turning_of(const spline_system *system, size_t inte
     return system->turnings != NULL ? &system->turnings[2 * interval + end] : NULL;
 }
 
-static const spline_chart_end *chart_of(const spline_system *system, size_t interval, size_t end)
+static const double *chart_of(const spline_system *system, size_t interval, size_t end)
 {
-    return system->charts != NULL ? &system->charts[interval].ends[end] : NULL;
+    return system->charts != NULL ? spline_chart(system, interval, end) : NULL;
 }
 
 static void multiply(size_t n, const double *matrix, const double *vector, double *product)
@@ -186,6 +186,7 @@ static void multiply(size_t n, const double *matrix, const double *vector, doubl
 /// Slopes of an interval from the velocities at its ends.
 static bat_status pull_slopes(spline_system *system, size_t i)
 {
+    size_t n = size_of(system);
     for (size_t end = 0; end < 2; end++)
     {
         size_t key = end == 0 ? i : key_after(system, i);
@@ -193,10 +194,10 @@ static bat_status pull_slopes(spline_system *system, size_t i)
         const double *velocity = of_key(system, system->velocities, key);
         for (size_t c = 0; c < size_of(system); c++)
             wanted[c] = system->lengths[i] * velocity[c];
-        const spline_chart_end *chart = chart_of(system, i, end);
+        const double *chart = chart_of(system, i, end);
         if (chart != NULL)
         {
-            multiply(size_of(system), chart->pull, wanted, at_end(system, system->slopes, i, end));
+            multiply(n, chart + n * n, wanted, at_end(system, system->slopes, i, end));
             continue;
         }
         bat_status status =
@@ -225,6 +226,7 @@ static void bend(const spline_system *system, size_t i, double *second_0, double
 /// Accelerations at both ends of an interval, by time.
 static bat_status accelerate(spline_system *system, size_t i)
 {
+    size_t n = size_of(system);
     double second[2][DIM], third[DIM], scale = 1 / (system->lengths[i] * system->lengths[i]);
     bend(system, i, second[0], second[1], third);
     for (size_t end = 0; end < 2; end++)
@@ -233,15 +235,12 @@ static bat_status accelerate(spline_system *system, size_t i)
         const double *q = point_of(system, end == 0 ? i : key_after(system, i));
         const double *first = at_end(system, system->slopes, i, end);
         tangent_jet jet = {at_end(system, system->logs, i, end), first, second[end], third};
-        const spline_chart_end *chart = chart_of(system, i, end);
+        const double *chart = chart_of(system, i, end);
         if (chart != NULL)
-            multiply(size_of(system), chart->push, second[end], acceleration);
-        for (size_t j = 0; chart != NULL && j < size_of(system) * size_of(system); j++)
-            for (size_t c = 0; c < size_of(system); c++)
-            {
-                size_t k = j / size_of(system), l = j % size_of(system);
-                acceleration[c] += chart->bend[k][l][c] * first[k] * first[l];
-            }
+            multiply(n, chart, second[end], acceleration);
+        for (size_t j = 0; chart != NULL && j < n * n; j++)
+            for (size_t c = 0; c < n; c++)
+                acceleration[c] += chart[(2 * n + j) * n + c] * (first[j / n] * first[j % n]);
         bat_status status = chart != NULL ? BAT_OK
                                           : spline_acceleration(system->factor, middle_of(system, i), &jet, q,
                                                                 turning_of(system, i, end), acceleration);

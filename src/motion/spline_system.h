@@ -92,19 +92,6 @@ void spline_differences(size_t n, const double *rows, double *first, double *sec
 #define CHART_DIM 6
 #define CHART_WAYS 4
 
-/// exp_m at one logarithm: the differential, its inverse, and the covariant acceleration as a bilinear form of velocities.
-typedef struct spline_chart_end
-{
-    double push[CHART_DIM * CHART_DIM], pull[CHART_DIM * CHART_DIM], bend[CHART_DIM][CHART_DIM][CHART_DIM];
-} spline_chart_end;
-
-/// An interval of FACTOR_ANY: both ends, and parallel transport there and back, and from the middle to the ends.
-typedef struct spline_chart
-{
-    spline_chart_end ends[2];
-    double ways[CHART_WAYS][CHART_DIM * CHART_DIM];
-} spline_chart;
-
 /// What fixes the velocity at a key.
 typedef enum key_state
 {
@@ -130,7 +117,7 @@ typedef struct spline_system
     double *slopes;           ///< 2 x tangent_dim: derivatives of the cubic by its share
     double *accelerations;    ///< 2 x tangent_dim, at the keys
     spline_turning *turnings; ///< 2, FACTOR_ROTATION, else null
-    spline_chart *charts;     ///< FACTOR_ANY of few dimensions, else null
+    double *charts;           ///< FACTOR_ANY of few dimensions, else null: see spline_chart()
     // By key.
     double *residuals; ///< tangent_dim
     double *rows;      ///< 3: lower, diagonal, upper
@@ -162,6 +149,14 @@ typedef enum spline_place
     AT_END,
     AT_MIDDLE
 } spline_place;
+
+/// Matrices of an interval: of an end, 0 or 1, the differential of exp_m, its inverse, and the covariant acceleration of
+/// velocities (k, l) as a vector; of `end` 2, parallel transport there and back, and from the middle to the ends.
+static inline double *spline_chart(const spline_system *system, size_t interval, size_t end)
+{
+    size_t n = system->factor->space.tangent_dim, size = (2 + n) * n * n;
+    return system->charts + interval * (2 * size + CHART_WAYS * n * n) + end * size;
+}
 
 /// Find the charts, after middles and logarithms.
 bat_status spline_charts_make(spline_system *system, bat_error *error);
