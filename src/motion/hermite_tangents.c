@@ -150,29 +150,21 @@ static bat_status estimate_all(const estimate *e, bool directions, bat_error *er
     return directions ? bat_hermite_normalize(e->curve, error) : BAT_OK;
 }
 
-/// The lengths of edges in time.
-static bat_status measure_times(estimate *e, bat_error *error)
-{
-    const bat_hermite_curve *curve = e->curve;
-    for (size_t i = 0; i < e->edges; i++)
-    {
-        bool closing = i + 1 == curve->count;
-        e->lengths[i] = closing ? curve->closing_time : curve->times[i + 1] - curve->times[i];
-        if (!(isfinite(e->lengths[i]) && e->lengths[i] > 0))
-            return error_set(error, BAT_INVALID_POINT, i, 0, "no time passes after point %zu", i);
-    }
-    return BAT_OK;
-}
-
-static bat_status measure_chords(estimate *e, bat_error *error)
+/// The lengths of edges in time, or without times the chords.
+static bat_status measure_edges(estimate *e, bat_error *error)
 {
     const bat_hermite_curve *curve = e->curve;
     for (size_t i = 0; i < e->edges; i++)
     {
         size_t next = end_of_edge(curve, i);
-        e->lengths[i] = curve->space->distance(curve->space, point_of(curve, i), point_of(curve, next));
-        if (!(isfinite(e->lengths[i]) && e->lengths[i] > 0))
-            return error_set(error, BAT_INVALID_POINT, next, 0, "point %zu repeats point %zu", next, i);
+        e->lengths[i] = curve->times == NULL
+                            ? curve->space->distance(curve->space, point_of(curve, i), point_of(curve, next))
+                        : next == 0 ? curve->closing_time
+                                    : curve->times[next] - curve->times[i];
+        if (isfinite(e->lengths[i]) && e->lengths[i] > 0)
+            continue;
+        return curve->times == NULL ? error_set(error, BAT_INVALID_POINT, next, 0, "point %zu repeats point %zu", next, i)
+                                    : error_set(error, BAT_INVALID_POINT, i, 0, "no time passes after point %zu", i);
     }
     return BAT_OK;
 }
@@ -204,24 +196,19 @@ static size_t degree_for(const bat_hermite_curve *curve, size_t order)
     return order < most ? order : most;
 }
 
-static bat_status estimate_directions(estimate *e, size_t order, bat_error *error)
+/// Directions of order 4 begin with those of order 2, which tell the lengths of arcs.
+static bat_status estimate_tangents(estimate *e, size_t order, bat_error *error)
 {
-    e->degree = degree_for(e->curve, 2);
-    bat_status status = measure_chords(e, error);
+    bool timed = e->curve->times != NULL;
+    e->degree = degree_for(e->curve, timed ? order : 2);
+    bat_status status = measure_edges(e, error);
     if (status == BAT_OK)
-        status = estimate_all(e, true, error);
-    if (order == 2 || status != BAT_OK)
+        status = estimate_all(e, !timed, error);
+    if (timed || order == 2 || status != BAT_OK)
         return status;
     e->degree = degree_for(e->curve, order);
     status = lengthen_chords(e, error);
     return status == BAT_OK ? estimate_all(e, true, error) : status;
-}
-
-static bat_status estimate_velocities(estimate *e, size_t order, bat_error *error)
-{
-    e->degree = degree_for(e->curve, order);
-    bat_status status = measure_times(e, error);
-    return status == BAT_OK ? estimate_all(e, false, error) : status;
 }
 
 bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error)
@@ -244,7 +231,7 @@ bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order,
     e.lengths = memory_array(e.edges, sizeof *e.lengths);
     if (e.lengths == NULL)
         return error_memory(error, e.edges * sizeof *e.lengths);
-    status = curve->times != NULL ? estimate_velocities(&e, order, error) : estimate_directions(&e, order, error);
+    status = estimate_tangents(&e, order, error);
     free(e.lengths);
     if (status == BAT_OK)
         curve->kind = curve->times != NULL ? BAT_HERMITE_TANGENTS_VELOCITIES : BAT_HERMITE_TANGENTS_DIRECTIONS;
