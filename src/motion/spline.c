@@ -309,21 +309,14 @@ static bat_status prepare_system(spline_system *system, const bat_motion_spline_
 {
     const spline_factor *f = system->factor;
     const double *begin = options->begin_velocity, *end = options->end_velocity;
-    size_t given = 0;
-    while (given < system->count && system->fixed[given] == KEY_GIVEN)
-        given++;
     if (space_is_positive_definite(&f->space))
         return spline_tensor_prepare(system, options->ends, options->shape, begin != NULL ? begin + f->tangent_at : NULL,
                                      end != NULL ? end + f->tangent_at : NULL, spline->records + f->record_at,
                                      spline->record_size, error);
     bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) != 0 && options->ends == BAT_MOTION_ENDS_AUTO;
-    bat_status status = spline_system_measure(system, error);
-    if (status == BAT_OK && given < system->count)
-        status = spline_system_solve(system, natural ? BAT_MOTION_ENDS_NATURAL : options->ends, options->shape,
-                                     begin != NULL ? begin + f->tangent_at : NULL, end != NULL ? end + f->tangent_at : NULL,
-                                     error);
-    if (status == BAT_OK)
-        status = spline_system_finish(system, error);
+    bat_status status =
+        spline_system_solve(system, natural ? BAT_MOTION_ENDS_NATURAL : options->ends, options->shape,
+                            begin != NULL ? begin + f->tangent_at : NULL, end != NULL ? end + f->tangent_at : NULL, error);
     for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
         spline_system_record(system, i, spline->records + i * spline->record_size + f->record_at);
     return status;

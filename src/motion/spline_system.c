@@ -142,7 +142,8 @@ static bat_status fail(const spline_system *system, bat_status status, size_t ke
                      system->factor->space.name, key, bat_status_name(status));
 }
 
-bat_status spline_system_measure(spline_system *system, bat_error *error)
+/// Find the middles and the logarithms of all intervals.
+static bat_status measure(spline_system *system, bat_error *error)
 {
     const bat_space *space = &system->factor->space;
     for (size_t i = 0; i < system->intervals; i++)
@@ -819,8 +820,8 @@ static void find_rests(spline_system *system)
         }
 }
 
-bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
-                               const double *begin_velocity, const double *end_velocity, bat_error *error)
+static bat_status solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape, const double *begin_velocity,
+                        const double *end_velocity, bat_error *error)
 {
     size_t n = size_of(system), last = system->count - 1;
     if (shape != BAT_MOTION_SHAPE_SMOOTH)
@@ -877,17 +878,25 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
     return status;
 }
 
-bat_status spline_system_finish(spline_system *system, bat_error *error)
+bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
+                               const double *begin_velocity, const double *end_velocity, bat_error *error)
 {
+    size_t given = 0;
+    bat_status status = measure(system, error);
+    while (given < system->count && system->fixed[given] == KEY_GIVEN)
+        given++;
+    if (status == BAT_OK && given < system->count)
+        status = solve(system, ends, shape, begin_velocity, end_velocity, error);
+    // Slopes from velocities, to the last digit.
     int steps = system->factor->kind == FACTOR_ANY && system->charts == NULL ? FINISH_STEPS : 1;
-    for (size_t i = 0; i < system->intervals; i++)
-        for (int step = 0; step < steps; step++)
+    for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
+        for (int step = 0; step < steps && status == BAT_OK; step++)
         {
-            bat_status status = pull_slopes(system, i);
+            status = pull_slopes(system, i);
             if (status != BAT_OK)
                 return fail(system, status, i, error);
         }
-    return BAT_OK;
+    return status;
 }
 
 /// What the second derivative by the share, at an end of an interval of R^n, changes from the cubic to the quintic through

@@ -132,12 +132,8 @@ typedef struct spline_system
 /// Allocate the arrays but for points and lengths; release the pool in any case.
 bat_status spline_system_allocate(spline_system *system, bat_error *error);
 
-/// Find the middles and the logarithms of all intervals.
-/// @return BAT_OK, or BAT_CUT_LOCUS or BAT_INVALID_POINT with the key that begins the failing interval
-bat_status spline_system_measure(spline_system *system, bat_error *error);
-
-/// Compute velocities: continuous accelerations, conditions at the ends, rests and limits, as the options say.
-/// `begin_velocity` and `end_velocity` are of this factor.
+/// Find middles, logarithms, velocities and slopes. Velocities that are not all given: continuous accelerations, conditions
+/// at the ends, rests and limits, as the options say. `begin_velocity` and `end_velocity` are of this factor.
 /// @return BAT_OK, BAT_INVALID_POINT, BAT_CUT_LOCUS or BAT_NO_CONVERGENCE with a key
 bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
                                const double *begin_velocity, const double *end_velocity, bat_error *error);
@@ -186,9 +182,6 @@ double spline_speed(const spline_system *system, size_t interval);
 /// @param held receives the number of such intervals
 /// @return BAT_OK, or the failure of a logarithm or transport
 bat_status spline_system_hold(spline_system *system, size_t *held);
-
-/// Compute slopes from velocities, to the last digit.
-bat_status spline_system_finish(spline_system *system, bat_error *error);
 
 /// The record of an interval; see spline_factor_record_size().
 void spline_system_record(const spline_system *system, size_t interval, double *record);

@@ -81,13 +81,10 @@ bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, ba
         status = take_logarithms(system, identity, logs, &flat, error);
     while (status == BAT_OK && given < flat.count && flat.fixed[given] == KEY_GIVEN)
         given++;
+    bool all = given == flat.count;
     if (status == BAT_OK)
-        status = spline_system_measure(&flat, error);
-    if (status == BAT_OK && given < flat.count)
-        status = spline_system_solve(&flat, ends, shape, convert_end(system, &flat, 0, begin_velocity, end[0]),
-                                     convert_end(system, &flat, flat.count - 1, end_velocity, end[1]), error);
-    if (status == BAT_OK)
-        status = spline_system_finish(&flat, error);
+        status = spline_system_solve(&flat, ends, shape, all ? NULL : convert_end(system, &flat, 0, begin_velocity, end[0]),
+                                     all ? NULL : convert_end(system, &flat, flat.count - 1, end_velocity, end[1]), error);
     if (status == BAT_OK)
         status = give_velocities(&flat, system, error);
     for (size_t i = 0; i < flat.intervals && status == BAT_OK; i++)
