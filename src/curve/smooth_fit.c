@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/golden.h"
 #include "base/memory.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,14 +33,6 @@ static const double MAX_SLACK = 1e4, LEAST_WEIGHT = 1e-2;
 static const double SPEED_WIDTH = 3, BEND_WIDTH = 2;
 /// The least speed and the least square of an acceleration, as shares of the mean.
 static const double MIN_SPEED = 0.05, MIN_BEND = 0.03;
-
-static double squared(size_t n, const double *v)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += v[i] * v[i];
-    return sum;
-}
 
 static size_t edges_of(const smooth_fit *f)
 {
@@ -157,7 +150,7 @@ double smooth_fit_bend(const smooth_fit *f)
     for (size_t j = 0; j < n; j++)
     {
         const double *column = f->bands + j * (band + 1);
-        sum += squared(dim, x + j * dim) / column[0];
+        sum += vector_square(dim, x + j * dim) / column[0];
         for (size_t a = 1; a <= band && j + a < n; a++)
             for (size_t c = 0; c < dim; c++)
                 x[(j + a) * dim + c] -= column[a] * x[j * dim + c];
@@ -246,7 +239,7 @@ static double cross_validation(smooth_fit *f, double weight)
         if (f->slacks[i] == 0)
             continue;
         smooth_fit_bend_back(f, i, weight, move);
-        squares += squared(f->dim, move) / f->slacks[i];
+        squares += vector_square(f->dim, move) / f->slacks[i];
         freedom += smooth_fit_variance(f, i, weight) / f->slacks[i];
     }
     return log(squares) - 2 * log(freedom);
@@ -293,7 +286,7 @@ static size_t find_outliers(smooth_fit *f)
         {
             smooth_fit_bend_back(f, i, weight, move);
             double variance = smooth_fit_variance(f, i, weight);
-            sizes[i] = variance > 0 ? sqrt(squared(f->dim, move) / variance) : 0;
+            sizes[i] = variance > 0 ? sqrt(vector_square(f->dim, move) / variance) : 0;
             if (f->slacks[i] > 0)
                 sorted[counted++] = sizes[i];
         }
@@ -371,7 +364,7 @@ static void follow_speeds(smooth_fit *f)
         smooth_fit_bend_back(f, e + 1 == f->count ? 0 : e + 1, f->weight, next);
         for (size_t c = 0; c < dim; c++)
             move[c] = f->ahead[e * dim + c] + next[c] - move[c];
-        f->buffer[e] = sqrt(squared(dim, move));
+        f->buffer[e] = sqrt(vector_square(dim, move));
     }
     average(f, f->buffer, width, f->steps);
     normalize(f->steps, n, MIN_SPEED, false);
@@ -399,7 +392,7 @@ static void follow_bends(smooth_fit *f, double flat_deviance)
     for (size_t e = 0; e < n; e++)
     {
         const double *a = bend_at(f, e), *b = bend_at(f, e + 1 == f->count ? 0 : e + 1);
-        f->buffer[e] = (a != NULL ? squared(f->dim, a) : 0) + (b != NULL ? squared(f->dim, b) : 0);
+        f->buffer[e] = (a != NULL ? vector_square(f->dim, a) : 0) + (b != NULL ? vector_square(f->dim, b) : 0);
     }
     average(f, f->buffer, BEND_WIDTH * pow(weight, 0.25), bends);
     normalize(bends, n, MIN_BEND, true);
@@ -434,7 +427,7 @@ static bool has_noise(smooth_fit *f)
 {
     size_t n = edges_of(f);
     for (size_t e = 0; e < n; e++)
-        f->steps[e] = sqrt(squared(f->dim, f->ahead + e * f->dim));
+        f->steps[e] = sqrt(vector_square(f->dim, f->ahead + e * f->dim));
     normalize(f->steps, n, MIN_SPEED, false);
     (void)find_weight(f);
     for (size_t e = 0; e < n; e++)
