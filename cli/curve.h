@@ -58,8 +58,8 @@ typedef struct curve_job
     const char *times_file; ///< of a motion; null for none
     double *times;          ///< what it holds
     const char *gyro_file;  ///< of a motion; null for none
-    bat_motion_gyro gyro; ///< what it holds
-    const char *scheme;   ///< its name; when the user gave none, null until the space is known
+    bat_motion_gyro gyro;   ///< what it holds
+    const char *scheme;     ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
     size_t poses;                    ///< in pictures of motions; 0: by the motion
     char units[2][32];               ///< of lengths and times in pictures of motions; empty: by the file
