@@ -7,6 +7,10 @@
 bat_status error_set(bat_error *error, bat_status status, size_t index, size_t line, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
+/// error_set() for a fault of a file, at a line or 0, and for what is not supported.
+#define ERROR_FILE(error, line, ...) error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, __VA_ARGS__)
+#define ERROR_UNSUPPORTED(error, line, ...) error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, line, __VA_ARGS__)
+
 /// error_set() for a failed allocation of `size` bytes.
 bat_status error_memory(bat_error *error, size_t size);
 

@@ -48,7 +48,7 @@ static bat_status text_finish(text_buffer *buffer, const bat_limits *limits, fil
     if (!is_utf16(text))
         return BAT_OK;
     file_text_free(text);
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "the text is UTF-16; save it as UTF-8");
+    return ERROR_FILE(error, 1, "the text is UTF-16; save it as UTF-8");
 }
 
 bat_status file_text_read(const char *path, const bat_limits *limits, file_text *text, bat_error *error)

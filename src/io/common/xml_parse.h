@@ -71,9 +71,9 @@ static inline bat_status xml_piece(xml_parse *xml, const char *bytes, size_t siz
     if (XML_Parse(xml->parser, bytes, (int)size, last) == XML_STATUS_OK || xml->status != BAT_OK)
         return xml->status;
     enum XML_Error fault = XML_GetErrorCode(xml->parser);
-    return xml->status = fault == XML_ERROR_NO_MEMORY ? error_memory(xml->error, size)
-                                                      : error_set(xml->error, BAT_BAD_FILE, BAT_NO_INDEX, xml_line(xml),
-                                                                  "%s%s", xml->prefix, XML_ErrorString(fault));
+    return xml->status = fault == XML_ERROR_NO_MEMORY
+                             ? error_memory(xml->error, size)
+                             : ERROR_FILE(xml->error, xml_line(xml), "%s%s", xml->prefix, XML_ErrorString(fault));
 }
 
 /// Parse a whole text, and release the parser.

@@ -41,7 +41,7 @@ typedef struct zip_reader
 
 static bat_status fault(bat_error *error, const char *what)
 {
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the ZIP archive %s", what);
+    return ERROR_FILE(error, 0, "the ZIP archive %s", what);
 }
 
 bool zip_resembles(const file_text *text)
@@ -78,7 +78,7 @@ static bat_status open_directory(const file_text *text, zip_reader *reader, bat_
         begin = bytes_whole(bytes + limit + 48, 8, false);
     }
     else if (u16_at(bytes + end + 4) != 0 || u16_at(bytes + end + 6) != 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the ZIP archive has several volumes");
+        return ERROR_UNSUPPORTED(error, 0, "the ZIP archive has several volumes");
     if (!fits(begin, directory, limit) || count > directory / ENTRY_SIZE)
         return fault(error, "has a directory that lies outside the file");
     *reader = (zip_reader){.bytes = bytes, .size = size, .at = begin, .end = begin + directory, .count = count};
@@ -127,18 +127,17 @@ static bat_status next_part(zip_reader *reader, zip_part *part, bat_error *error
     char excerpt[EXCERPT_SIZE];
     (void)text_excerpt(excerpt, part->name, part->name + name);
     if ((u16_at(entry + 8) & ENCRYPTED) != 0 || (method != 0 && method != DEFLATED))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the part '%s' of the ZIP archive is %s", excerpt,
-                         method != 0 && method != DEFLATED ? "compressed by another method than DEFLATE" : "encrypted");
+        return ERROR_UNSUPPORTED(error, 0, "the part '%s' of the ZIP archive is %s", excerpt,
+                                 method != 0 && method != DEFLATED ? "compressed by another method than DEFLATE"
+                                                                   : "encrypted");
     if (!read_extra(entry + ENTRY_SIZE + name, extra, (uint64_t *const[]){&size, &stored, &begin}) ||
         !fits(begin, LOCAL_SIZE, reader->size) || bytes_u32(reader->bytes + begin) != LOCAL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the part '%s' is not where the ZIP archive's directory says",
-                         excerpt);
+        return ERROR_FILE(error, 0, "the part '%s' is not where the ZIP archive's directory says", excerpt);
     const unsigned char *local = reader->bytes + begin;
     size_t local_name = u16_at(local + 26), header = LOCAL_SIZE + local_name + u16_at(local + 28);
     if (!fits(begin, header, reader->size) || !fits(begin + header, stored, reader->size) || local_name != name ||
         memcmp(local + LOCAL_SIZE, part->name, name) != 0 || (method == 0 && stored != size))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                         "the part '%s' has another name or size than in the ZIP archive's directory", excerpt);
+        return ERROR_FILE(error, 0, "the part '%s' has another name or size than in the ZIP archive's directory", excerpt);
     part->bytes = local + header;
     part->stored = stored;
     part->size = size;
@@ -159,7 +158,7 @@ bat_status zip_find(const file_text *text, const char *name, zip_part *part, bat
         if (status != BAT_OK || next.name_size != size || strncasecmp(next.name, name, size) != 0)
             continue;
         if (part->name != NULL)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the ZIP archive has two parts '%.60s'", name);
+            return ERROR_FILE(error, 0, "the ZIP archive has two parts '%.60s'", name);
         *part = next;
     }
     return status;

@@ -9,15 +9,10 @@
 /// @file
 /// Reader of CSV and of trajectories in the TUM format: rows of numbers, an optional header, and directives in comments.
 
-static bat_status bad_row(bat_error *error, const text_line *line, const char *what)
-{
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", what);
-}
-
 static bat_status split(csv_reader *reader, const text_line *line, size_t *count, bat_error *error)
 {
     const char *fault = csv_split(reader->text, line, reader->separator, reader->fields, count);
-    return fault == NULL ? BAT_OK : bad_row(error, line, fault);
+    return fault == NULL ? BAT_OK : ERROR_FILE(error, line->number, "%s", fault);
 }
 
 static bool is_header(const csv_reader *reader, size_t count)
@@ -62,11 +57,11 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     {
         const char *fault = csv_field_fault(reader->fields[i]);
         if (fault != NULL)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "column %zu of the header %s", i + 1, fault);
+            return ERROR_FILE(error, line->number, "column %zu of the header %s", i + 1, fault);
     }
     count = take_corner_column(reader, count);
     if (count == 0)
-        return bad_row(error, line, "there are no columns beside that of the corners");
+        return ERROR_FILE(error, line->number, "there are no columns beside that of the corners");
     if (!csv_columns_name(reader->attributes->csv, reader->fields, count))
         return error_memory(error, count);
     reader->column_count = count;
@@ -309,9 +304,9 @@ static bat_status read_space(csv_reader *reader, const text_line *line, const ch
     csv_field words = csv_trimmed(rest + colon, end);
     (void)text_excerpt(name, words.begin, words.end);
     if (bat_space_by_name(name, 0, &unused, NULL) != BAT_OK)
-        return colon ? error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "there is no space '%s'", name) : BAT_OK;
+        return colon ? ERROR_FILE(error, line->number, "there is no space '%s'", name) : BAT_OK;
     if (reader->begun && strcmp(name, reader->space_name) != 0)
-        return bad_row(error, line, "the space must be named before the first row");
+        return ERROR_FILE(error, line->number, "the space must be named before the first row");
     memcpy(reader->space_name, name, sizeof name);
     return BAT_OK;
 }
@@ -326,7 +321,7 @@ static bat_status read_column_list(csv_reader *reader, const text_line *line, cs
     if (length == 0 || length >= sizeof reader->column_list)
         return BAT_OK;
     if (reader->begun)
-        return bad_row(error, line, "the columns must be named before the first row");
+        return ERROR_FILE(error, line->number, "the columns must be named before the first row");
     memcpy(reader->column_list, list.begin, length);
     reader->column_list[length] = '\0';
     return BAT_OK;
@@ -494,7 +489,7 @@ static bat_status read_lines(csv_reader *reader, bat_error *error)
     }
     bat_status status = reader->again ? BAT_OK : end_curve(reader, error);
     if (status == BAT_OK && !reader->again && reader->builder.curve_count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no points");
+        return ERROR_FILE(error, line.number, "there are no points");
     return status;
 }
 
@@ -575,7 +570,7 @@ static bat_status collect_groups(csv_reader *reader, row_groups *all, bat_error 
         reader->closed = false;
     }
     if (status == BAT_OK && all->count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no points");
+        return ERROR_FILE(error, line.number, "there are no points");
     return status;
 }
 

@@ -73,8 +73,8 @@ bat_status csv_find_column(const csv_reader *reader, const char *option, const c
         *column = (size_t)number - 1 - ((size_t)number > corner ? 1 : 0);
     if (*column != BAT_NO_INDEX)
         return BAT_OK;
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s: there is no column '%.*s' among %zu",
-                     option, (int)(length > 60 ? 60 : length), name, reader->column_count);
+    return ERROR_FILE(error, reader->header_line, "%s: there is no column '%.*s' among %zu", option,
+                      (int)(length > 60 ? 60 : length), name, reader->column_count);
 }
 
 /// The columns that the caller or a directive names for the coordinates, separated by commas.
@@ -267,8 +267,8 @@ bat_status csv_take_cells(csv_reader *reader, const text_line *line, bat_error *
         char excerpt[EXCERPT_SIZE];
         csv_field field = reader->fields[i];
         if (kind == CSV_EMPTY && !cell_fits(reader, i))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "column %zu of the header has no name",
-                             csv_column_number(reader, i));
+            return ERROR_FILE(error, reader->header_line, "column %zu of the header has no name",
+                              csv_column_number(reader, i));
         if (!cell_fits(reader, i) && !csv_change_kind(reader, i))
             return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number,
                              "column %zu: '%s' has no meaning", csv_column_number(reader, i),
@@ -458,8 +458,8 @@ static bat_status check_guess(const csv_reader *reader, const text_line *line, b
     bool others = choice->times != BAT_NO_INDEX && !reader->options->motion;
     if (!csv_is_guess(reader->attributes->csv, reader->column_count, choice, others) || (named_space && choice->count >= 2))
         return BAT_OK;
-    (void)error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line > 0 ? reader->header_line : line->number,
-                    "cannot tell which of %zu columns hold the coordinates", reader->column_count);
+    (void)ERROR_FILE(error, reader->header_line > 0 ? reader->header_line : line->number,
+                     "cannot tell which of %zu columns hold the coordinates", reader->column_count);
     return error_remedy(error, BAT_BAD_FILE, "columns", "names them");
 }
 
@@ -469,12 +469,12 @@ static bat_status check_counts(const csv_reader *reader, const text_line *line, 
     const char *name = choice->space;
     bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
     if (strcmp(name, "sphere") == 0 && !choice->degrees && choice->count < 3)
-        return error_remedy(error,
-                            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                                      "a point of the sphere needs 3 or more columns, or a header with lon and lat"),
-                            "columns", "names columns of longitude and latitude");
+        return error_remedy(
+            error,
+            ERROR_FILE(error, line->number, "a point of the sphere needs 3 or more columns, or a header with lon and lat"),
+            "columns", "names columns of longitude and latitude");
     if (two && choice->count != 2)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "a point of the %s needs 2 columns", name);
+        return ERROR_FILE(error, line->number, "a point of the %s needs 2 columns", name);
     return BAT_OK;
 }
 
@@ -519,8 +519,8 @@ static bat_status use_choice(csv_reader *reader, const text_line *line, bool nam
         return error_memory(error, BAT_SPACE_MAX_DIM);
     status = bat_space_by_name(choice->space, choice->count, &reader->builder.space, error);
     return status == BAT_OK ? status
-                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                                        "%zu columns are not a point of the space %s", choice->count, choice->space);
+                            : ERROR_FILE(error, line->number, "%zu columns are not a point of the space %s", choice->count,
+                                         choice->space);
 }
 
 /// Set the kinds of the columns, where not all are numbers.
@@ -573,8 +573,8 @@ bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *erro
     bat_status status = BAT_OK;
     for (size_t i = 1; i < reader->column_count && columns->names != NULL && !reader->tum; i++)
         if (is_nameless(reader, i) && !csv_is_missing(reader->fields[i]))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "column %zu of the header has no name",
-                             csv_column_number(reader, i));
+            return ERROR_FILE(error, reader->header_line, "column %zu of the header has no name",
+                              csv_column_number(reader, i));
     if (reader->options->group != NULL)
         status =
             csv_find_column(reader, "group", reader->options->group, strlen(reader->options->group), &reader->group, error);
@@ -590,10 +590,10 @@ bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *erro
         list == NULL ? find_form(space, reader->options->motion && columns->time != BAT_NO_INDEX, &names) : NULL;
     char fault[BAT_ERROR_TEXT_SIZE];
     if (status == BAT_OK && space == NULL && list == NULL && point_form_incomplete(form, &names, fault, sizeof fault))
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
+        status = ERROR_FILE(error, reader->header_line, "%s", fault);
     const char *implied = space == NULL && form != NULL ? form->space : space;
     if (status == BAT_OK && implied != NULL && list == NULL && point_form_fault(implied, form, &names, fault, sizeof fault))
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
+        status = ERROR_FILE(error, reader->header_line, "%s", fault);
     if (status != BAT_OK)
         return status;
     if (form == NULL && !reader->kinds_known)

@@ -444,13 +444,12 @@ bat_status trajectory_write(const bat_curve_set *set, const bat_curve_write_opti
     if (set->attributes != NULL && set->attributes->format == options->format)
         layout.time_decimals = set->attributes->time_decimals;
     if (quaternion_place(set->space) != 3)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory holds rigid motions, not the space %s",
-                         layout.name, set->space->name);
+        return ERROR_UNSUPPORTED(error, 0, "a %s trajectory holds rigid motions, not the space %s", layout.name,
+                                 set->space->name);
     if (set->count > 1)
         return error_set(error, BAT_UNSUPPORTED, 1, 0, "a %s trajectory is one curve, not %zu", layout.name, set->count);
     if (layout.time == BAT_NO_INDEX && !layout.matrix)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory needs times, which these poses lack",
-                         layout.name);
+        return ERROR_UNSUPPORTED(error, 0, "a %s trajectory needs times, which these poses lack", layout.name);
     bat_status status = sink_format(sink, error, "%s", layout.header);
     return status == BAT_OK ? rows_write(set, sink, options->threads, format_poses, &layout, error) : status;
 }

@@ -206,8 +206,8 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
     if (row_of(format)->read == NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is read from files alone",
-                         bat_choice_name(&bat_curve_format_family, (int)format));
+        return ERROR_UNSUPPORTED(error, 0, "the format %s is read from files alone",
+                                 bat_choice_name(&bat_curve_format_family, (int)format));
     bat_status status = check_format_options(format, options, error);
     bat_curve_read_options chosen = *options;
     chosen.format = format;
@@ -359,10 +359,9 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
         chosen.report->lost = lost_of(set, chosen.format);
     const curve_format *row = row_of(chosen.format);
     if (row->write == NULL && row->read != NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "%s is read only", row->choice.name);
+        return ERROR_UNSUPPORTED(error, 0, "%s is read only", row->choice.name);
     if (row->write == NULL && path == NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",
-                         row->choice.name);
+        return ERROR_UNSUPPORTED(error, 0, "the format %s is written to files alone", row->choice.name);
     if (row->write == NULL)
         return gis_write(path, row->drivers, set, &chosen, error);
     if (path == NULL || gis_is_virtual(path))

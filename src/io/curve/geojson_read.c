@@ -251,9 +251,8 @@ static const char *crs_name_of(const json_t *root, bool *unnamed)
 static bat_status choose_space(geojson_reader *reader, const json_t *root, const bat_curve_read_options *options)
 {
     if (geojson_has_type(root, "Topology"))
-        return error_remedy(reader->error,
-                            error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the file is TopoJSON"),
-                            "read.format", "topojson reads it");
+        return error_remedy(reader->error, ERROR_UNSUPPORTED(reader->error, 0, "the file is TopoJSON"), "read.format",
+                            "topojson reads it");
     const char *crs = crs_name_of(root, &reader->unnamed_crs);
     if (crs != NULL)
     {
@@ -271,7 +270,7 @@ static bat_status choose_space(geojson_reader *reader, const json_t *root, const
         return status;
     bool sphere = strcmp(name, "sphere") == 0;
     if (!sphere && space.point_dim != 2)
-        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
+        return ERROR_UNSUPPORTED(reader->error, 0, "GeoJSON cannot hold points of the %s", name);
     reader->degrees = sphere;
     reader->builder.space = space;
     reader->builder.check = !sphere;
@@ -367,7 +366,7 @@ static bat_status read_whole(geojson_reader *reader, json_t *root)
         return geojson_read_feature(reader, json_incref(root), !feature);
     json_t *features = json_object_get(root, "features");
     if (!json_is_array(features))
-        return error_set(reader->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the FeatureCollection has no array of features");
+        return ERROR_FILE(reader->error, 0, "the FeatureCollection has no array of features");
     bat_status status = BAT_OK;
     for (size_t i = 0; i < json_array_size(features) && status == BAT_OK; i++)
     {
@@ -424,7 +423,7 @@ bat_status geojson_read(const file_text *text, const bat_curve_read_options *opt
     bat_status status = read_text(&reader, text, options);
     geojson_extraction_free(&reader.extraction);
     if (status == BAT_OK && reader.builder.curve_count == 0)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
+        status = ERROR_FILE(error, 0, "there are no lines or polygons");
     if (status == BAT_OK)
         status = geojson_records_end(&reader, BAT_CURVE_FORMAT_GEOJSON, set);
     geojson_reader_free(&reader);

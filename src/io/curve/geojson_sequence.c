@@ -83,7 +83,7 @@ bat_status geojson_sequence_read(const file_text *text, const bat_curve_read_opt
     if (status == BAT_OK)
         status = geojson_records_read(&reader, records, count, 0, options);
     if (status == BAT_OK && reader.builder.curve_count == 0)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
+        status = ERROR_FILE(error, 0, "there are no lines or polygons");
     if (status == BAT_OK)
         status = geojson_records_end(&reader, separated ? BAT_CURVE_FORMAT_GEOJSON_SEQUENCE : BAT_CURVE_FORMAT_GEOJSON_LINES,
                                      set);

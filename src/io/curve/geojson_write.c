@@ -425,12 +425,11 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
         return error_memory(error, writer->crs.size);
     bool named = options->crs != NULL || (attributes != NULL && attributes->crs != NULL);
     if (writer->format != BAT_CURVE_FORMAT_GEOJSON && !globe && (named || !geojson))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a sequence of GeoJSON cannot name the system of plane coordinates; a .geojson file can");
+        return ERROR_UNSUPPORTED(error, 0,
+                                 "a sequence of GeoJSON cannot name the system of plane coordinates; a .geojson file can");
     if (globe || geojson || writer->crs.size > 0)
         return BAT_OK;
-    (void)error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                    "GeoJSON holds plane coordinates only with the name of their system");
+    (void)ERROR_UNSUPPORTED(error, 0, "GeoJSON holds plane coordinates only with the name of their system");
     return error_remedy(error, BAT_UNSUPPORTED, "crs", "names their system, as in EPSG:25833");
 }
 
@@ -440,9 +439,8 @@ static bat_status start_writer(bat_curve_format format, const bat_curve_set *set
 {
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
     if (!globe && set->space->point_dim != 2)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "GeoJSON cannot hold points of the space %s with %zu numbers", set->space->name,
-                         set->space->point_dim);
+        return ERROR_UNSUPPORTED(error, 0, "GeoJSON cannot hold points of the space %s with %zu numbers", set->space->name,
+                                 set->space->point_dim);
     const bat_curve_attributes *attributes = set->attributes;
     bool same = attributes_are_geojson(attributes);
     *writer = (geojson_writer){.set = set,

@@ -7,5 +7,5 @@
 bat_status gpx_read(const file_text *text BAT_UNUSED, const bat_curve_read_options *options BAT_UNUSED,
                     bat_curve_set *set BAT_UNUSED, bat_error *error)
 {
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "this build of batten does not read GPX, which needs expat");
+    return ERROR_UNSUPPORTED(error, 0, "this build of batten does not read GPX, which needs expat");
 }

@@ -573,7 +573,7 @@ static bat_status choose_space(const bat_curve_read_options *options, bat_space 
     if (strcmp(name, "euclidean") == 0)
         name = "plane";
     if (strcmp(name, "sphere") != 0 && strcmp(name, "plane") != 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GPX cannot hold points of the space %.60s", name);
+        return ERROR_UNSUPPORTED(error, 0, "GPX cannot hold points of the space %.60s", name);
     return bat_space_by_name(name, 0, space, error);
 }
 
@@ -651,8 +651,8 @@ bat_status gpx_read(const file_text *text, const bat_curve_read_options *options
     if (status == BAT_OK)
         status = parse(reader, text);
     if (status == BAT_OK && reader->builder.curve_count == 0)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons%s",
-                           source->waypoints > 0 ? ", only waypoints" : ": no track or route has two points");
+        status = ERROR_FILE(error, 0, "there are no lines or polygons%s",
+                            source->waypoints > 0 ? ", only waypoints" : ": no track or route has two points");
     if (status == BAT_OK)
         status = finish(reader, set);
     if (reader != NULL)

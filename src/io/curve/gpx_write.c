@@ -573,9 +573,9 @@ bat_status gpx_write(const bat_curve_set *set, const bat_curve_write_options *op
     const char *crs = options->crs != NULL ? options->crs : attributes != NULL ? attributes->crs : NULL;
     bat_curve_set moved = {0};
     if (!same && (globe ? strcmp(set->space->name, "sphere") != 0 : crs == NULL || set->space->point_dim != 2))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "GPX holds longitude and latitude, but the curves lie in the space %s without a coordinate system",
-                         set->space->name);
+        return ERROR_UNSUPPORTED(
+            error, 0, "GPX holds longitude and latitude, but the curves lie in the space %s without a coordinate system",
+            set->space->name);
     bool shifts = !same && crs != NULL && !(globe && crs_is_geographic(crs));
     bat_status status = shifts ? gis_transform(set, crs, GIS_WGS84, &moved, error) : BAT_OK;
     if (status != BAT_OK)

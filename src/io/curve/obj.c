@@ -118,7 +118,7 @@ static bat_status read_statements(obj_reader *reader, const file_text *text, bat
     }
     bool ended = text->size == 0 || text->data[text->size - 1] == '\n';
     if (status == BAT_OK && reader->element_count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan.line - ended, "there are no line elements");
+        return ERROR_FILE(error, scan.line - ended, "there are no line elements");
     return status;
 }
 
@@ -263,8 +263,7 @@ static bat_status format_elements(const void *context BAT_UNUSED, const row_span
 static bat_status check_curves(const bat_curve_set *set, bat_error *error)
 {
     if (set->space->point_dim != 2 && set->space->point_dim != 3)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "OBJ cannot hold points of %zu coordinates",
-                         set->space->point_dim);
+        return ERROR_UNSUPPORTED(error, 0, "OBJ cannot hold points of %zu coordinates", set->space->point_dim);
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].count < 2)
             return error_set(error, BAT_UNSUPPORTED, i, 0, "OBJ cannot hold curve %zu, which has a single point", i);

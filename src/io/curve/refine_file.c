@@ -305,7 +305,7 @@ static bat_status refine_parts(file_job *job)
             status = error_set(job->error, BAT_CANCELLED, BAT_NO_INDEX, 0, "cancelled");
     }
     if (status == BAT_OK && job->report.curves == 0)
-        status = error_set(job->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
+        status = ERROR_FILE(job->error, 0, "there are no lines or polygons");
     return status == BAT_OK ? write_text(job, GEOJSON_COLLECTION_END) : status;
 }
 

@@ -28,9 +28,8 @@ typedef struct topology_reader
 
 static bat_status fault(const topology_reader *reader, const char *what)
 {
-    return reader->feature == BAT_NO_INDEX
-               ? error_set(reader->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s", what)
-               : error_set(reader->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "geometry %zu: %s", reader->feature, what);
+    return reader->feature == BAT_NO_INDEX ? ERROR_FILE(reader->error, 0, "%s", what)
+                                           : ERROR_FILE(reader->error, 0, "geometry %zu: %s", reader->feature, what);
 }
 
 /// Append a position. `sum` is that of the quantized numbers before it in an arc; null for a position by itself.

@@ -65,7 +65,7 @@ bat_status wkt_fault(const wkt_scanner *scan, const char *format, ...)
             line++;
             column = 0;
         }
-    return error_set(scan->error, BAT_BAD_FILE, BAT_NO_INDEX, line, "column %zu: %s", column, what);
+    return ERROR_FILE(scan->error, line, "column %zu: %s", column, what);
 }
 
 static void skip_blanks(wkt_scanner *scan)

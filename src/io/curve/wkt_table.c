@@ -301,7 +301,7 @@ bat_status wkt_table_read(const file_text *text, const bat_curve_read_options *o
         .scan = table_start(text), .wkt = wkt_scanner_start(text, error != NULL ? error : &unread), .counted = text->data};
     bat_status status = find_column(text, &reader.place, &named, error);
     if (status == BAT_OK && reader.place == BAT_NO_INDEX)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "no column of the table has well-known text");
+        status = ERROR_FILE(error, 0, "no column of the table has well-known text");
     if (status == BAT_OK)
         status = read_rows(&reader, named);
     if (status == BAT_OK)

@@ -52,9 +52,10 @@ bat_status gdal_begin(gdal_messages *messages, bat_error *error)
     *messages = (gdal_messages){.failures = 0};
     call_once(&once, load);
     if (!loaded)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "this needs GDAL, but " BATTEN_GDAL_LIBRARY " cannot be loaded: run scripts/install-deps, or "
-                         "install GDAL and build batten again");
+        return ERROR_UNSUPPORTED(error, 0,
+                                 "this needs GDAL, but " BATTEN_GDAL_LIBRARY
+                                 " cannot be loaded: run scripts/install-deps, or "
+                                 "install GDAL and build batten again");
     gdal.CPLPushErrorHandlerEx(collect, messages);
     return BAT_OK;
 }

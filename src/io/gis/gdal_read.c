@@ -408,7 +408,7 @@ static bat_status choose_layer(GDALDatasetH dataset, const bat_curve_read_option
             *chosen = layer;
     }
     if (count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
+        return ERROR_FILE(error, 0, "there are no lines or polygons");
     if (count > 1)
     {
         (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are %zu layers: %s", count,
@@ -455,8 +455,7 @@ static bat_status find_system(layer_reader *reader, bool drawing, const char *sp
         return error_memory(error, 1);
     if (sphere && !degrees)
     {
-        (void)error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the coordinates are not degrees but of the system %.60s",
-                        found->name);
+        (void)ERROR_UNSUPPORTED(error, 0, "the coordinates are not degrees but of the system %.60s", found->name);
         return error_remedy(error, BAT_UNSUPPORTED, "on_sphere", "transforms them");
     }
     OGRSpatialReferenceH wgs84 = sphere ? system_by_name("OGC:CRS84") : NULL;
@@ -569,7 +568,7 @@ static bat_status check_path(const char *path, bool folders, const bat_limits *l
     if (strncmp(path, "/vsi", 4) == 0)
         return BAT_OK;
     if (strcmp(path, "-") == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "formats of GDAL cannot be read from standard input");
+        return ERROR_UNSUPPORTED(error, 0, "formats of GDAL cannot be read from standard input");
     int reason = stat(path, &about) != 0 ? errno : S_ISDIR(about.st_mode) && !folders ? EISDIR : 0;
     if (reason != 0)
         return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(reason));

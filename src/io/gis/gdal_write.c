@@ -119,7 +119,7 @@ static bat_status check_types(const layer_writer *writer, bat_error *error)
 {
     bool lines = (writer->types & ~LINES) == 0, polygons = (writer->types & ~POLYGONS) == 0;
     if (is_driver(writer, "ESRI Shapefile") && !lines && !polygons)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a Shapefile holds lines or polygons, not both");
+        return ERROR_UNSUPPORTED(error, 0, "a Shapefile holds lines or polygons, not both");
     return BAT_OK;
 }
 
@@ -452,8 +452,8 @@ static bat_status choose_driver(layer_writer *writer, const char *drivers, const
             writer->driver = driver;
     }
     if (!can_create(writer->driver))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GDAL has no driver here that writes %s",
-                         drivers != NULL ? drivers : "files of this ending");
+        return ERROR_UNSUPPORTED(error, 0, "GDAL has no driver here that writes %s",
+                                 drivers != NULL ? drivers : "files of this ending");
     writer->driver_name = gdal.GDALGetDriverShortName(writer->driver);
     return BAT_OK;
 }
@@ -465,10 +465,10 @@ typedef bat_status file_writer(void *context, const char *path, bat_error *error
 static bat_status write_whole(file_writer *write, void *context, const char *path, bat_error *error)
 {
     if (strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "formats of GDAL go to files, not to %s",
-                         path[0] == '-' ? "standard output" : "devices");
+        return ERROR_UNSUPPORTED(error, 0, "formats of GDAL go to files, not to %s",
+                                 path[0] == '-' ? "standard output" : "devices");
     if (strncmp(path, "/vsi", 4) == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "paths that begin with /vsi are read, not written");
+        return ERROR_UNSUPPORTED(error, 0, "paths that begin with /vsi are read, not written");
     if (atomic_is_hidden(path))
         return write(context, path, error);
     bat_outputs *outputs;

@@ -5,9 +5,10 @@
 
 static bat_status missing(bat_error *error)
 {
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                     "this needs GDAL, which this build of batten does without: run scripts/install-deps (or install "
-                     "libgdal-dev), then configure and build again");
+    return ERROR_UNSUPPORTED(
+        error, 0,
+        "this needs GDAL, which this build of batten does without: run scripts/install-deps (or install "
+        "libgdal-dev), then configure and build again");
 }
 
 bat_status gis_read(const char *path BAT_UNUSED, const char *drivers BAT_UNUSED,

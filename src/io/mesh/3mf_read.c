@@ -535,7 +535,7 @@ static bat_status parse_part(reader_3mf *reader, const file_text *text, const ch
     zip_part part;
     bat_status status = zip_find(text, name, &part, error);
     if (status == BAT_OK && part.name == NULL)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the package lacks the part '%.60s'", name);
+        status = ERROR_FILE(error, 0, "the package lacks the part '%.60s'", name);
     if (status != BAT_OK)
         return status;
     reader->xml.prefix = "XML: ";
@@ -658,7 +658,7 @@ static bat_status check_size(const reader_3mf *reader, bat_error *error)
 {
     size_t total = 0, limit = reader->vertices > ALWAYS / MAX_COPIES ? reader->vertices * MAX_COPIES : ALWAYS;
     if (reader->item_count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the build places no object");
+        return ERROR_FILE(error, 0, "the build places no object");
     for (size_t i = 0; i < reader->item_count && total <= limit; i++)
         total += reader->objects[reader->items[i].object].total_vertices + 1;
     if (total > limit || total >= BAT_MESH_NONE)
@@ -694,13 +694,11 @@ bool mesh_3mf_resembles(const file_text *text)
 bat_status mesh_3mf_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
     reader_3mf reader = {.options = options, .unit = 1};
-    bat_status status = zip_resembles(text) ? BAT_OK
-                                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                                                        "the file is no ZIP archive, as 3MF files are");
+    bat_status status = zip_resembles(text) ? BAT_OK : ERROR_FILE(error, 0, "the file is no ZIP archive, as 3MF files are");
     if (status == BAT_OK)
         status = parse_part(&reader, text, "_rels/.rels", on_relation, NULL, error);
     if (status == BAT_OK && reader.target == NULL)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the package has no 3D model");
+        status = ERROR_FILE(error, 0, "the package has no 3D model");
     if (status == BAT_OK)
         status = parse_part(&reader, text, reader.target, on_begin, on_end, error);
     if (status == BAT_OK)

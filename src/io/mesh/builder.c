@@ -266,7 +266,7 @@ static bat_status check_all(mesh_builder *builder, bool polygons, bat_error *err
 {
     const bat_mesh *mesh = &builder->mesh;
     if (mesh->face_count == 0 && !builder->faceless)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no faces");
+        return ERROR_FILE(error, 0, "there are no faces");
     bat_status status = check_faces(mesh, polygons, error);
     size_t triangle_count = builder->corner_count - 2 * mesh->face_count;
     if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE))
@@ -394,10 +394,8 @@ static bat_status clean_numbers(bat_mesh *mesh, const bat_mesh_read_options *opt
         return status;
     for (size_t i = 0; i < corners && !options->repair; i++)
         if (!is_finite_at(mesh, mesh->faces[i]))
-            return error_remedy(
-                error,
-                error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "vertex %u, counted from 0, is not finite", mesh->faces[i]),
-                "repair", "drops it and its faces");
+            return error_remedy(error, ERROR_FILE(error, 0, "vertex %u, counted from 0, is not finite", mesh->faces[i]),
+                                "repair", "drops it and its faces");
     uint32_t *number = memory_array(vertices, sizeof *number);
     if (number == NULL)
         return error_memory(error, vertices * sizeof *number);
@@ -405,7 +403,7 @@ static bat_status clean_numbers(bat_mesh *mesh, const bat_mesh_read_options *opt
     drop_vertices(mesh, number);
     free(number);
     if (faces > 0 && mesh->face_count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "every face has a vertex that is not finite");
+        return ERROR_FILE(error, 0, "every face has a vertex that is not finite");
     return mesh_note(options->notes, error, "%zu vertices that are not finite were dropped, with %zu faces", bad,
                      faces - mesh->face_count);
 }

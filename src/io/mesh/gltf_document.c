@@ -38,8 +38,8 @@ bat_status gltf_fault(gltf_place place, bat_error *error, const char *format, ..
     (void)vsnprintf(fault, sizeof fault, format, arguments);
     va_end(arguments);
     if (place.index == SIZE_MAX)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s: %s", place.what, fault);
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s %zu: %s", place.what, place.index, fault);
+        return ERROR_FILE(error, 0, "%s: %s", place.what, fault);
+    return ERROR_FILE(error, 0, "%s %zu: %s", place.what, place.index, fault);
 }
 
 bat_status gltf_size(const json_t *object, const char *key, gltf_place place, size_t *value, bat_error *error)
@@ -83,8 +83,7 @@ bat_status gltf_element(const gltf_document *document, const char *array, const 
     const json_t *list = json_object_get(document->root, array);
     *element = json_array_get(list, index);
     if (*element == NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no %s %zu: the file has %zu %s", what, index,
-                         json_array_size(list), array);
+        return ERROR_FILE(error, 0, "there is no %s %zu: the file has %zu %s", what, index, json_array_size(list), array);
     return json_is_object(*element) ? BAT_OK : gltf_fault((gltf_place){what, index}, error, "it is no object");
 }
 
@@ -96,13 +95,11 @@ static bat_status read_chunks(const file_text *text, gltf_document *document, co
 {
     const char *bytes = text->data;
     if (text->size < GLB_HEADER + GLB_CHUNK_HEADER)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file ends in the header of GLB");
+        return ERROR_FILE(error, 0, "the file ends in the header of GLB");
     if (bytes_u32(bytes + 4) != GLB_VERSION)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GLB of version %u is not read, only version 2",
-                         bytes_u32(bytes + 4));
+        return ERROR_UNSUPPORTED(error, 0, "GLB of version %u is not read, only version 2", bytes_u32(bytes + 4));
     if (bytes_u32(bytes + 8) != text->size)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has %zu bytes, but its header tells %u", text->size,
-                         bytes_u32(bytes + 8));
+        return ERROR_FILE(error, 0, "the file has %zu bytes, but its header tells %u", text->size, bytes_u32(bytes + 8));
     size_t at = GLB_HEADER;
     for (size_t number = 0; text->size - at >= GLB_CHUNK_HEADER; number++)
     {
@@ -110,7 +107,7 @@ static bat_status read_chunks(const file_text *text, gltf_document *document, co
         uint32_t kind = bytes_u32(bytes + at + 4);
         at += GLB_CHUNK_HEADER;
         if (size > text->size - at)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "chunk %zu of GLB is longer than the file", number);
+            return ERROR_FILE(error, 0, "chunk %zu of GLB is longer than the file", number);
         if (number == 0 && kind != GLB_JSON)
             break;
         if (number == 0)
@@ -125,7 +122,7 @@ static bat_status read_chunks(const file_text *text, gltf_document *document, co
         }
         at += size;
     }
-    return *json != NULL ? BAT_OK : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the first chunk of GLB is not JSON");
+    return *json != NULL ? BAT_OK : ERROR_FILE(error, 0, "the first chunk of GLB is not JSON");
 }
 
 /// Whether batten reads files that require an extension. Extensions of materials are kept as they are.
@@ -149,13 +146,12 @@ static bat_status check_extensions(const json_t *root, bat_error *error)
         const char *name = json_string_value(json_array_get(required, i));
         char excerpt[EXCERPT_SIZE];
         if (name == NULL)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "'extensionsRequired' holds other values than texts");
+            return ERROR_FILE(error, 0, "'extensionsRequired' holds other values than texts");
         if (!is_known_extension(name))
-            status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the file requires the extension '%s'%s",
-                               text_excerpt(excerpt, name, name + strlen(name)),
-                               strstr(name, "draco") != NULL || strstr(name, "meshopt") != NULL
-                                   ? ": compressed meshes are not read"
-                                   : ", which is not read");
+            status = ERROR_UNSUPPORTED(
+                error, 0, "the file requires the extension '%s'%s", text_excerpt(excerpt, name, name + strlen(name)),
+                strstr(name, "draco") != NULL || strstr(name, "meshopt") != NULL ? ": compressed meshes are not read"
+                                                                                 : ", which is not read");
     }
     return status;
 }
@@ -167,12 +163,12 @@ static bat_status check_version(const json_t *root, bat_error *error)
     const char *version = json_string_value(json_object_get(asset, "version"));
     char excerpt[EXCERPT_SIZE];
     if (version == NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no 'asset' with a 'version': the JSON is no glTF");
+        return ERROR_FILE(error, 0, "there is no 'asset' with a 'version': the JSON is no glTF");
     if (minimum != NULL)
         version = minimum;
     if (strncmp(version, "2.", 2) != 0 || (minimum != NULL && strcmp(minimum, "2.0") != 0))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "glTF of version '%s' is not read, only version 2.0",
-                         text_excerpt(excerpt, version, version + strlen(version)));
+        return ERROR_UNSUPPORTED(error, 0, "glTF of version '%s' is not read, only version 2.0",
+                                 text_excerpt(excerpt, version, version + strlen(version)));
     return BAT_OK;
 }
 
@@ -184,7 +180,7 @@ bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *
     bool binary = mesh_glb_resembles(text);
     json_scanner begin = {text->data, text->data + text->size};
     if (!binary && !json_scan_at(&begin, '{'))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file begins neither as GLB, with 'glTF', nor as JSON");
+        return ERROR_FILE(error, 0, "the file begins neither as GLB, with 'glTF', nor as JSON");
     bat_status status = BAT_OK;
     if (binary)
         status = read_chunks(text, document, &json, &size, error);
@@ -201,7 +197,7 @@ bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *
         return status;
     }
     if (!json_is_object(document->root))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the JSON is no object");
+        return ERROR_FILE(error, 0, "the JSON is no object");
     status = check_version(document->root, error);
     if (status == BAT_OK)
         status = check_extensions(document->root, error);
@@ -339,8 +335,8 @@ static bat_status load_buffer(gltf_document *document, size_t index, gltf_buffer
     gltf_buffer buffer = {0};
     if (uri == NULL && (json_object_get(json_object_get(object, "extensions"), "EXT_meshopt_compression") != NULL ||
                         json_object_get(json_object_get(object, "extensions"), "KHR_meshopt_compression") != NULL))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "buffer %zu exists only in the form of meshopt compression, which is not read", index);
+        return ERROR_UNSUPPORTED(error, 0, "buffer %zu exists only in the form of meshopt compression, which is not read",
+                                 index);
     if (uri == NULL && index == 0 && document->chunk != NULL)
         buffer = (gltf_buffer){document->chunk, document->chunk_size, NULL};
     else if (!json_is_string(uri))

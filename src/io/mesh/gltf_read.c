@@ -287,9 +287,8 @@ static bat_status read_primitive(gltf_reader *reader, const gltf_instance *insta
         return BAT_OK;
     }
     if (status == BAT_OK && is_compressed(reader, object))
-        status =
-            error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                      "mesh %zu is compressed by Draco (KHR_draco_mesh_compression), which is not read", instance->mesh);
+        status = ERROR_UNSUPPORTED(
+            error, 0, "mesh %zu is compressed by Draco (KHR_draco_mesh_compression), which is not read", instance->mesh);
     if (status == BAT_OK)
         status = set_label(reader, instance, mesh, object, primitive.place, error);
     if (status == BAT_OK)
@@ -427,9 +426,9 @@ static bat_status read_scene(gltf_reader *reader, bat_error *error)
         status = read_instance(reader, &instances[i], error);
     free(instances);
     if (status == BAT_OK && reader->builder.mesh.face_count == 0 && count == 0)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the scene has no meshes");
+        status = ERROR_FILE(error, 0, "the scene has no meshes");
     if (status == BAT_OK && reader->builder.mesh.face_count == 0 && reader->tally.other_primitives > 0)
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the meshes have points or lines, but no triangles");
+        status = ERROR_UNSUPPORTED(error, 0, "the meshes have points or lines, but no triangles");
     return status == BAT_OK ? note_all(reader, error) : status;
 }
 

@@ -57,8 +57,7 @@ static bat_status take_array(const safetensors *content, const char *name, safet
 {
     const safetensors_array *array = safetensors_find(content, name);
     if (array == NULL || array->type != type || array->count % width != 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map has no array \"%s\" of the right type and size",
-                         name);
+        return ERROR_FILE(error, 0, "the map has no array \"%s\" of the right type and size", name);
     size_t bytes = array->count * safetensors_element_size(type);
     *values = malloc(bytes + 1);
     if (*values == NULL)
@@ -74,14 +73,13 @@ static bat_status take_sizes(const safetensors *content, bat_mesh_map *map, bat_
     int64_t sizes[SIZES];
     const char *format = safetensors_find_note(content, "format");
     if (format == NULL || strcmp(format, FORMAT) != 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file holds no map between meshes");
+        return ERROR_FILE(error, 0, "the file holds no map between meshes");
     bat_status status = safetensors_integers(content, "sizes", SIZES, sizes, error);
     if (status != BAT_OK)
         return status;
     for (int i = 0; i < 4; i++)
         if (sizes[i] < 1 || sizes[i] >= BAT_MESH_NONE)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map gives %lld as a number of vertices or faces",
-                             (long long)sizes[i]);
+            return ERROR_FILE(error, 0, "the map gives %lld as a number of vertices or faces", (long long)sizes[i]);
     map->fine_vertices = (size_t)sizes[0];
     map->fine_faces = (size_t)sizes[1];
     map->coarse_vertices = (size_t)sizes[2];
@@ -121,7 +119,7 @@ static bat_status set_collapses(const uint8_t *shapes, bat_mesh_map *map, bat_er
     }
     if (entries != map->entry_count || points != map->point_count || entries >= MAP_NONE || points >= MAP_NONE ||
         map->fine_faces != map->coarse_faces + vanished || map->fine_vertices < map->coarse_vertices + map->collapse_count)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's arrays are inconsistent");
+        return ERROR_FILE(error, 0, "the map's arrays are inconsistent");
     return BAT_OK;
 }
 
@@ -137,7 +135,7 @@ static bat_status take_arrays(const safetensors *content, bat_mesh_map *map, bat
     if (status == BAT_OK)
         status = take_array(content, "kept", SAFETENSORS_U32, 1, (void **)&map->kept, &kept, error);
     if (status == BAT_OK && kept != map->coarse_faces)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's arrays are inconsistent");
+        status = ERROR_FILE(error, 0, "the map's arrays are inconsistent");
     if (status == BAT_OK)
         status = take_array(content, "collapses", SAFETENSORS_U8, SHAPE, (void **)&shapes, &map->collapse_count, error);
     if (status == BAT_OK)

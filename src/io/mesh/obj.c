@@ -147,8 +147,8 @@ static bat_status obj_labels_check(const bat_mesh *mesh, bat_error *error)
         {
             const char *name = mesh_label_text(&mesh->labels[i], k);
             if (name != NULL && strpbrk(name, "\n\r") != NULL)
-                return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "OBJ cannot hold the name '%s' with a line break",
-                                 text_excerpt(excerpt, name, name + strlen(name)));
+                return ERROR_UNSUPPORTED(error, 0, "OBJ cannot hold the name '%s' with a line break",
+                                         text_excerpt(excerpt, name, name + strlen(name)));
         }
     return BAT_OK;
 }

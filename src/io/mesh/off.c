@@ -62,12 +62,11 @@ static bat_status read_header(off_reader *reader, bat_error *error)
     static const size_t SHORTEST_LINE = 6; ///< of a vertex or a face, with its line break
     word_scan *scan = &reader->scan;
     if (!read_header_word(reader))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
-                         "the file does not begin with OFF, COFF, NOFF, CNOFF, STOFF or a similar word");
+        return ERROR_FILE(error, scan->line, "the file does not begin with OFF, COFF, NOFF, CNOFF, STOFF or a similar word");
     if (scan_word(scan, "BINARY"))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, scan->line, "binary OFF is not read");
+        return ERROR_UNSUPPORTED(error, scan->line, "binary OFF is not read");
     if (!scan_next_content(scan))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the counts of vertices and faces are missing");
+        return ERROR_FILE(error, scan->line, "the counts of vertices and faces are missing");
     bat_status status = read_count(reader, "is not the number of vertices", &reader->vertices, error);
     if (status == BAT_OK)
         status = read_count(reader, "is not the number of faces", &reader->faces, error);
@@ -78,8 +77,8 @@ static bat_status read_header(off_reader *reader, bat_error *error)
         status = scan_word_fault(scan, BAT_NO_INDEX, "follows the counts of vertices, faces and edges", error);
     size_t max_count = (size_t)(scan->end - scan->at) / SHORTEST_LINE + 1;
     if (status == BAT_OK && (reader->vertices > max_count || reader->faces > max_count - reader->vertices + 1))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
-                         "the file is too short for %zu vertices and %zu faces", reader->vertices, reader->faces);
+        return ERROR_FILE(error, scan->line, "the file is too short for %zu vertices and %zu faces", reader->vertices,
+                          reader->faces);
     if (status == BAT_OK && !mesh_builder_reserve(&reader->builder, reader->vertices, reader->faces))
         status = mesh_builder_no_memory(&reader->builder, error);
     return status;

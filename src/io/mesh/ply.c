@@ -86,7 +86,7 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
     for (size_t i = 0; i < header->element_count; i++)
         if (header->elements[i].name.size == element.name.size &&
             memcmp(header->elements[i].name.begin, element.name.begin, element.name.size) == 0)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the element's name is used already");
+            return ERROR_FILE(error, scan->line, "the element's name is used already");
     element.count = size_clipped(count);
     return ARRAY_ADD(header->elements, header->element_capacity, header->element_count, element)
                ? BAT_OK
@@ -98,7 +98,7 @@ static bat_status add_property(ply_element *element, ply_property property, cons
     for (size_t i = 0; i < element->property_count; i++)
         if (element->properties[i].name.size == property.name.size &&
             memcmp(element->properties[i].name.begin, property.name.begin, property.name.size) == 0)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the property's name is used already");
+            return ERROR_FILE(error, scan->line, "the property's name is used already");
     return ARRAY_ADD(element->properties, element->property_capacity, element->property_count, property)
                ? BAT_OK
                : error_memory(error, element->property_count * sizeof property);
@@ -107,13 +107,13 @@ static bat_status add_property(ply_element *element, ply_property property, cons
 static bat_status read_property(word_scan *scan, ply_header *header, bat_error *error)
 {
     if (header->element_count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the property belongs to no element");
+        return ERROR_FILE(error, scan->line, "the property belongs to no element");
     ply_property property = {.list = scan_word(scan, "list")};
     bat_status status = BAT_OK;
     if (property.list)
         status = read_type(scan, &property.count_type, error);
     if (status == BAT_OK && property.list && property.count_type >= PLY_FLOAT32)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "a list's length must be a whole number");
+        status = ERROR_FILE(error, scan->line, "a list's length must be a whole number");
     if (status == BAT_OK)
         status = read_type(scan, &property.type, error);
     if (status != BAT_OK)
@@ -147,18 +147,18 @@ bat_status ply_header_read(word_scan *scan, ply_header *header, bat_error *error
 {
     *header = (ply_header){0};
     if (!scan_word(scan, "ply") || !scan_line_done(scan))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "the file does not begin with a line 'ply'");
+        return ERROR_FILE(error, 1, "the file does not begin with a line 'ply'");
     bat_status status;
     do
     {
         if (!scan_next_line(scan))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the file ends in its header");
+            return ERROR_FILE(error, scan->line, "the file ends in its header");
     } while (scan_word(scan, "comment") || scan_word(scan, "obj_info"));
     status = read_encoding(scan, header, error);
     for (bool done = false; status == BAT_OK && !done;)
     {
         if (!scan_next_line(scan))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the file ends in its header");
+            return ERROR_FILE(error, scan->line, "the file ends in its header");
         status = read_line(scan, header, &done, error);
     }
     if (status == BAT_OK)
@@ -258,7 +258,7 @@ static bat_status add_label(const json_t *object, size_t line, mesh_builder *bui
     label_name names[MESH_LABEL_NAMES];
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
         if (!read_name(object, KEYS[k], &names[k]))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' of a label is no text", KEYS[k]);
+            return ERROR_FILE(error, line, "'%s' of a label is no text", KEYS[k]);
     *number = label_table_add(&builder->labels, names);
     return *number != BAT_MESH_NONE ? BAT_OK : error_memory(error, sizeof *builder->labels.labels);
 }
@@ -267,7 +267,7 @@ static bat_status set_files(const json_t *object, size_t line, mesh_builder *bui
 {
     label_name files;
     if (!read_name(object, FILES_KEY, &files))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is no text", FILES_KEY);
+        return ERROR_FILE(error, line, "'%s' is no text", FILES_KEY);
     if (files.begin == NULL)
         return BAT_OK;
     free(builder->mesh.material_files);
@@ -286,7 +286,7 @@ static bat_status read_comment(word_scan *scan, mesh_builder *builder, uint32_t 
     if (status != BAT_OK)
         return status;
     if (!json_is_object(object))
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "a label is no JSON object");
+        status = ERROR_FILE(error, scan->line, "a label is no JSON object");
     else if (json_object_get(object, FILES_KEY) != NULL)
         status = set_files(object, scan->line, builder, error);
     else if (!ARRAY_GROW(*numbers, *capacity, *count + 1))

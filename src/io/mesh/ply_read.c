@@ -213,7 +213,7 @@ static bat_status place_columns(ply_reader *reader, const ply_element *vertex, b
         reader->places[i] = (ply_place){NO_COLUMN, 1.0};
     for (size_t k = 0; k < 3; k++)
         if (!place_property(reader, vertex, coordinates[k], k))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "vertices have no property '%s'", coordinates[k]);
+            return ERROR_FILE(error, 0, "vertices have no property '%s'", coordinates[k]);
     if (!texture_by_corner)
         place_texture(reader, vertex);
     return place_channels(reader, vertex, error);
@@ -227,9 +227,9 @@ static bat_status plan_faces(ply_reader *reader, const ply_element *face, bat_er
     if (reader->corners_at == count)
         reader->corners_at = ply_property_find(face, "vertex_index");
     if (reader->corners_at == count || !face->properties[reader->corners_at].list)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "faces have no list 'vertex_indices' or 'vertex_index'");
+        return ERROR_FILE(error, 0, "faces have no list 'vertex_indices' or 'vertex_index'");
     if (face->properties[reader->corners_at].type >= PLY_FLOAT32)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the indices of vertices must be whole numbers");
+        return ERROR_FILE(error, 0, "the indices of vertices must be whole numbers");
     reader->texture_at = ply_property_find(face, "texcoord");
     if (reader->texture_at < count && !face->properties[reader->texture_at].list)
         reader->texture_at = count;
@@ -246,8 +246,7 @@ static bat_status plan(ply_reader *reader, bat_error *error)
     const ply_element *face = ply_header_find(&reader->header, "face");
     bool bare = reader->builder.faceless && (face == NULL || face->count == 0);
     if (vertex == NULL || (face == NULL && !bare))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header has no element '%s'",
-                         vertex == NULL ? "vertex" : "face");
+        return ERROR_FILE(error, 0, "the header has no element '%s'", vertex == NULL ? "vertex" : "face");
     bat_status status = bare ? BAT_OK : plan_faces(reader, face, error);
     if (status != BAT_OK)
         return status;
@@ -430,8 +429,8 @@ static bat_status read_element(ply_reader *reader, const ply_element *element, b
     size_t left = (size_t)(reader->source.scan.end - reader->source.scan.at) + 1,
            row = min_size(element, reader->source.encoding);
     if (row > 0 && element->count > left / row)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file is too short for its %zu elements '%s'",
-                         element->count, text_excerpt(kind, element->name.begin, element->name.begin + element->name.size));
+        return ERROR_FILE(error, 0, "the file is too short for its %zu elements '%s'", element->count,
+                          text_excerpt(kind, element->name.begin, element->name.begin + element->name.size));
     bool vertex = ply_name_is(element->name, "vertex"), face = ply_name_is(element->name, "face");
     if ((vertex && !mesh_builder_reserve(&reader->builder, element->count, 0)) ||
         (face && !mesh_builder_reserve(&reader->builder, 0, element->count)))
@@ -457,7 +456,7 @@ static bat_status read_all(ply_reader *reader, bat_error *error)
         return status;
     if (reader->source.encoding == PLY_TEXT ? scan_next_content(&reader->source.scan)
                                             : reader->source.scan.at < reader->source.scan.end)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line_of(reader), "there is data after the last element");
+        return ERROR_FILE(error, line_of(reader), "there is data after the last element");
     return BAT_OK;
 }
 

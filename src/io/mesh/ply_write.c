@@ -63,15 +63,13 @@ static bat_status check_names(const bat_mesh *mesh, const ply_plan *plan, bat_er
         bool texture = plan->texture_by_vertex &&
                        (strcmp(name, ply_texture_names[0][0]) == 0 || strcmp(name, ply_texture_names[0][1]) == 0);
         if (!is_channel_name(name) || texture || has_channel(mesh, name, i))
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "PLY cannot hold a channel named '%s' beside the others",
-                             text_excerpt(excerpt, name, name + strlen(name)));
+            return ERROR_UNSUPPORTED(error, 0, "PLY cannot hold a channel named '%s' beside the others",
+                                     text_excerpt(excerpt, name, name + strlen(name)));
     }
     for (size_t i = 0; i < PLY_TEXTURE_NAMES && !plan->texture_by_vertex && !plan->texture_by_corner; i++)
         if (has_channel(mesh, ply_texture_names[i][0], count) && has_channel(mesh, ply_texture_names[i][1], count))
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "PLY would make a texture coordinate of the channels '%s' and '%s'", ply_texture_names[i][0],
-                             ply_texture_names[i][1]);
+            return ERROR_UNSUPPORTED(error, 0, "PLY would make a texture coordinate of the channels '%s' and '%s'",
+                                     ply_texture_names[i][0], ply_texture_names[i][1]);
     return BAT_OK;
 }
 

@@ -79,14 +79,13 @@ static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes,
 static bat_status read_binary(mesh_builder *builder, const file_text *text, bool repair, bat_error *error)
 {
     if (text->size < HEADER_SIZE + COUNT_SIZE)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                         "the file neither begins with 'solid' nor holds the 84 bytes that binary STL begins with");
+        return ERROR_FILE(error, 0,
+                          "the file neither begins with 'solid' nor holds the 84 bytes that binary STL begins with");
     size_t count = (size_t)bytes_whole(text->data + HEADER_SIZE, COUNT_SIZE, false),
            data = text->size - HEADER_SIZE - COUNT_SIZE;
     if (!is_binary(text))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                         "the header gives %zu triangles, but the file holds %zu bytes, enough for %zu%s", count, data,
-                         data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
+        return ERROR_FILE(error, 0, "the header gives %zu triangles, but the file holds %zu bytes, enough for %zu%s", count,
+                          data, data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
     // A closed mesh has about half as many vertices as faces.
     if (!mesh_builder_reserve(builder, count / 2, count) || !point_table_reserve(&builder->points, count / 2))
         return mesh_builder_no_memory(builder, error);

@@ -130,5 +130,5 @@ bat_status pose_translate_bvh(pose_translation *work, bat_error *error)
     work->reader = work->format = BAT_CURVE_FORMAT_CSV;
     free(file.joints);
     free(numbers);
-    return fault == NULL ? BAT_OK : pose_fail(error, file.line, fault);
+    return fault == NULL ? BAT_OK : ERROR_FILE(error, file.line, "%s", fault);
 }

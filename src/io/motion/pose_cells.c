@@ -11,11 +11,6 @@ void pose_note(pose_translation *work, const char *format, ...)
     va_end(values);
 }
 
-bat_status pose_fail(bat_error *error, size_t line, const char *text)
-{
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "%s", text);
-}
-
 bool pose_read_numbers(const file_text *source, const text_line *line, size_t count, double *numbers, char *separator)
 {
     csv_field fields[BAT_SPACE_MAX_DIM];

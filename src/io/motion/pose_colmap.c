@@ -49,7 +49,7 @@ static bat_status read_image(const pose_translation *work, const text_line *line
     for (size_t i = 0; i < 7 && fault == NULL; i++)
         fault = csv_read_number(fields[1 + i], ' ', &image->pose[i], &comma);
     if (fault != NULL)
-        return pose_fail(error, line->number, fault);
+        return ERROR_FILE(error, line->number, "%s", fault);
     image->name = (csv_field){fields[9].begin, line->end};
     image->line = line->number;
     return BAT_OK;

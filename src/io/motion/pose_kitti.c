@@ -46,14 +46,14 @@ static bat_status translate_matrix(pose_translation *work, const text_line *line
     double numbers[KITTI_NUMBERS], quaternion[4];
     char separator, time[NUMBER_TEXT_SIZE + 1];
     if (!pose_read_numbers(work->source, line, KITTI_NUMBERS, numbers, &separator))
-        return pose_fail(error, line->number, "a row of KITTI poses has 12 numbers, a matrix of 3 rows and 4 columns");
+        return ERROR_FILE(error, line->number, "a row of KITTI poses has 12 numbers, a matrix of 3 rows and 4 columns");
     double deviation = pose_matrix_deviation(numbers, quaternion);
     if (!(deviation <= POSE_MATRIX_TOLERANCE) && !(work->options->project && deviation < INFINITY))
     {
-        (void)error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                        deviation < INFINITY ? "the matrix is no rotation: an entry is off by %.3g"
-                                             : "the matrix is no rotation",
-                        deviation);
+        (void)ERROR_FILE(error, line->number,
+                         deviation < INFINITY ? "the matrix is no rotation: an entry is off by %.3g"
+                                              : "the matrix is no rotation",
+                         deviation);
         return deviation < INFINITY ? error_remedy(error, BAT_BAD_FILE, "project", "takes the nearest rotation")
                                     : BAT_BAD_FILE;
     }
@@ -63,8 +63,7 @@ static bat_status translate_matrix(pose_translation *work, const text_line *line
         *worst_line = line->number;
     }
     if (times != NULL && row >= time_count)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "there are more poses than times, which are %zu",
-                         time_count);
+        return ERROR_FILE(error, line->number, "there are more poses than times, which are %zu", time_count);
     *number_write(time, times != NULL ? times[row] : (double)row) = '\0';
     pose_write_tum(work, time, (double[3]){numbers[3], numbers[7], numbers[11]}, quaternion);
     return BAT_OK;
@@ -83,8 +82,7 @@ bat_status pose_translate_kitti(pose_translation *work, bat_error *error)
         text_append_string(&work->text, "\n");
     }
     if (status == BAT_OK && times != NULL && rows != time_count)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are %zu poses, but %zu times", rows,
-                           time_count);
+        status = ERROR_FILE(error, line.number, "there are %zu poses, but %zu times", rows, time_count);
     work->reader = BAT_CURVE_FORMAT_TUM;
     work->format = times != NULL ? BAT_CURVE_FORMAT_TUM : BAT_CURVE_FORMAT_KITTI;
     pose_note(work, "KITTI poses: matrices from the camera's frame (x right, y down, z forward) to that of the first pose");

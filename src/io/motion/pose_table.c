@@ -74,13 +74,13 @@ static bat_status choose_angles(pose_translation *work, const pose_header *names
     if (euler != NULL && strlen(euler) > 3)
         asked = strcmp(euler + 4, "degrees") == 0 ? UNIT_DEGREES : UNIT_RADIANS;
     if (names->angles[1] != found || names->angles[2] != found)
-        return pose_fail(error, line, "roll, pitch and yaw have different units in their names");
+        return ERROR_FILE(error, line, "roll, pitch and yaw have different units in their names");
     bool named = found == UNIT_DEGREES || found == UNIT_RADIANS;
     if (!named && asked == UNIT_NONE)
-        return error_remedy(error, pose_fail(error, line, "roll, pitch and yaw have no unit in their names"), "euler",
+        return error_remedy(error, ERROR_FILE(error, line, "roll, pitch and yaw have no unit in their names"), "euler",
                             "names it, as in zyx,degrees or zyx,radians");
     if (named && asked != UNIT_NONE && asked != found)
-        return pose_fail(error, line, "the names of roll, pitch and yaw tell another unit than the option euler");
+        return ERROR_FILE(error, line, "the names of roll, pitch and yaw tell another unit than the option euler");
     work->angle_unit = named ? found : asked;
     return BAT_OK;
 }
@@ -124,8 +124,8 @@ static void turn_by_angles(const pose_translation *work, const double angles[3],
 static bat_status cell_fault(const csv_field *fields, size_t column, size_t line, const char *fault, bat_error *error)
 {
     char excerpt[EXCERPT_SIZE];
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "column %zu: '%s' %s", column + 1,
-                     text_excerpt(excerpt, fields[column].begin, fields[column].end), fault);
+    return ERROR_FILE(error, line, "column %zu: '%s' %s", column + 1,
+                      text_excerpt(excerpt, fields[column].begin, fields[column].end), fault);
 }
 
 static bat_status translate_row(pose_translation *work, const text_line *line, bat_error *error)
@@ -137,12 +137,11 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
     double numbers[ROLES] = {0};
     const char *fault = csv_split(work->source, line, work->separator, fields, &count);
     if (fault != NULL)
-        return pose_fail(error, line->number, fault);
+        return ERROR_FILE(error, line->number, "%s", fault);
     while (count > work->width && fields[count - 1].begin == fields[count - 1].end)
         count--;
     if (count != work->width)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%zu columns, but the header has %zu", count,
-                         work->width);
+        return ERROR_FILE(error, line->number, "%zu columns, but the header has %zu", count, work->width);
     size_t timed = work->columns[SECONDS] != BAT_NO_INDEX ? work->columns[SECONDS] : work->columns[TIME];
     if (work->columns[SECONDS] != BAT_NO_INDEX)
         fault = pose_time_join(fields[timed], fields[work->columns[NANOSECONDS]], &work->text);
@@ -197,14 +196,12 @@ static bat_status check_table(pose_translation *work, pose_header *names, size_t
 {
     size_t places = count_roles(work, X, 3), speeds = count_roles(work, VX, 3), turns = count_roles(work, WX, 3);
     if (names->twice != BAT_NO_INDEX)
-        return error_remedy(error,
-                            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "column %zu has the meaning of another one",
-                                      names->twice + 1),
+        return error_remedy(error, ERROR_FILE(error, line, "column %zu has the meaning of another one", names->twice + 1),
                             "columns", "names the coordinates");
     if ((work->columns[SECONDS] != BAT_NO_INDEX) != (work->columns[NANOSECONDS] != BAT_NO_INDEX))
-        return pose_fail(error, line, "of seconds and nanoseconds, only one column is there");
+        return ERROR_FILE(error, line, "of seconds and nanoseconds, only one column is there");
     if (places != 0 && places != 3)
-        return pose_fail(error, line, "a pose needs columns x, y and z, or none of them");
+        return ERROR_FILE(error, line, "a pose needs columns x, y and z, or none of them");
     for (size_t i = VX; i <= WZ; i++)
     {
         bool kept = i < WX ? speeds == 3 && places == 3 : turns == 3 && has_orientation(work);

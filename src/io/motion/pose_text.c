@@ -85,7 +85,7 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
     for (size_t i = 0; i + 1 < work->width && fault == NULL; i++)
         fault = csv_read_number(fields[1 + i], separator, &numbers[i], &comma);
     if (fault != NULL)
-        return pose_fail(error, line->number, fault);
+        return ERROR_FILE(error, line->number, "%s", fault);
     pose_write_tum(work, "", numbers, numbers + 3);
     for (size_t i = TUM_NUMBERS; i < work->width; i++)
     {
@@ -167,9 +167,9 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
     if (separator != ' ' && separator != '\t')
         return space != NULL ? BAT_OK
                              : error_remedy(error,
-                                            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                                                      "the rows look like times, positions and quaternions, but nothing "
-                                                      "names their order, or the space euclidean for plain numbers"),
+                                            ERROR_FILE(error, 0,
+                                                       "the rows look like times, positions and quaternions, but nothing "
+                                                       "names their order, or the space euclidean for plain numbers"),
                                             "read.format", "tum takes quaternions as x y z w");
     work->reader = work->format = BAT_CURVE_FORMAT_TUM;
     work->as_it_is = true;

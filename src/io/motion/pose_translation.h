@@ -101,8 +101,6 @@ typedef struct pose_translation
 } pose_translation;
 
 void pose_note(pose_translation *work, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/// BAT_BAD_FILE with a line.
-bat_status pose_fail(bat_error *error, size_t line, const char *text);
 /// Read a row of exactly `count` numbers. False where it is none.
 bool pose_read_numbers(const file_text *source, const text_line *line, size_t count, double *numbers, char *separator);
 void pose_write_tum(pose_translation *work, const char *time, const double *place, const double *quaternion);

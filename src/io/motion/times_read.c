@@ -64,25 +64,24 @@ static bat_status add_line(time_list *list, const file_text *text, const text_li
         fault =
             list->with_forces ? "a row has a time, three rates and three accelerations" : "a row has a time and three rates";
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", fault);
+        return ERROR_FILE(error, line->number, "%s", fault);
     const char *begin = fields[0].begin, *end = fields[0].end;
     if (list->count == 0 &&
         (list->with_rates ? !number_resembles(begin, end) : end - begin == 4 && strncmp(begin, "time", 4) == 0))
         return BAT_OK;
     fault = read_time(list, begin, end, &time);
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' is not a time (%s)%s",
-                         text_excerpt(excerpt, begin, end), fault, list->with_rates ? "" : ": a line has one number");
+        return ERROR_FILE(error, line->number, "'%s' is not a time (%s)%s", text_excerpt(excerpt, begin, end), fault,
+                          list->with_rates ? "" : ": a line has one number");
     if (list->count > 0 && !(time > list->times[list->count - 1]))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "the time %s does not come after %s",
-                         number_digits(time, digits), number_digits(list->times[list->count - 1], before));
+        return ERROR_FILE(error, line->number, "the time %s does not come after %s", number_digits(time, digits),
+                          number_digits(list->times[list->count - 1], before));
     bool good = ARRAY_ADD(list->times, list->capacity, list->count, time);
     for (size_t c = 1; good && c < wanted; c++)
     {
         fault = csv_read_number(fields[c], separator, &rate, &comma);
         if (fault != NULL)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' %s",
-                             text_excerpt(excerpt, fields[c].begin, fields[c].end), fault);
+            return ERROR_FILE(error, line->number, "'%s' %s", text_excerpt(excerpt, fields[c].begin, fields[c].end), fault);
         good = c <= RATES ? ARRAY_ADD(list->rates, list->rate_capacity, list->rate_count, rate)
                           : ARRAY_ADD(list->forces, list->force_capacity, list->force_count, rate);
     }
@@ -102,7 +101,7 @@ static bat_status read_list(const char *path, const bat_curve_set *set, double *
     while (status == BAT_OK && text_line_next(&text, &line))
         status = add_line(&list, &text, &line, error);
     if (status == BAT_OK && list.count == 0)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has no times");
+        status = ERROR_FILE(error, 0, "the file has no times");
     file_text_free(&text);
     if (status == BAT_OK)
     {

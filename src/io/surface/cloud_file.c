@@ -124,9 +124,10 @@ static bat_status source_read(cloud_source *source, const bat_cloud_read_options
     bat_mesh *mesh = &source->mesh;
     const cloud_format *row = row_of(source->format);
     if (source->text->size >= sizeof e57 - 1 && memcmp(source->text->data, e57, sizeof e57 - 1) == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "E57 is not supported: Debian has no library for it; CloudCompare and the Python package pye57 "
-                         "write formats that are");
+        return ERROR_UNSUPPORTED(
+            error, 0,
+            "E57 is not supported: Debian has no library for it; CloudCompare and the Python package pye57 "
+            "write formats that are");
     if (how->classes != NULL && source->format != BAT_CLOUD_FORMAT_LAS)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only points of LAS files have classes");
     if (row->read != NULL)
@@ -188,7 +189,7 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
 {
     size_t total = boundary->listing.count + source->listing.count;
     if (total == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no points");
+        return ERROR_FILE(error, 0, "there are no points");
     if (total >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu points, more than %u", total,
                          BAT_MESH_NONE - 1);
@@ -322,10 +323,9 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
     {
         status = source_read(&boundary, &(bat_cloud_read_options){0}, &found);
         if (status == BAT_OK && boundary.mesh.face_count + source.mesh.face_count > 0)
-            status = error_set(&found, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a mesh has its own boundary");
+            status = ERROR_UNSUPPORTED(&found, 0, "a mesh has its own boundary");
         if (status == BAT_OK && boundary.listing.count < 4)
-            status =
-                error_set(&found, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu points are not a boundary", boundary.listing.count);
+            status = ERROR_FILE(&found, 0, "%zu points are not a boundary", boundary.listing.count);
         if (status != BAT_OK)
             status = name_boundary_file(status, &found, error);
     }

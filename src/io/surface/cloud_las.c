@@ -38,17 +38,12 @@ typedef struct las_header
     double scale[3], offset[3];
 } las_header;
 
-static bat_status bad(bat_error *error, const char *what)
-{
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s", what);
-}
-
 static bat_status read_header(const unsigned char *bytes, size_t size, las_header *header, bat_error *error)
 {
     // Sizes of the records of formats 0 to 10.
     static const size_t RECORDS[POINT_FORMATS] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
     if (size < MIN_HEADER || !cloud_las_resembles(&(file_text){.data = (char *)bytes, .size = size}))
-        return bad(error, "this is no LAS file: it does not begin with a header of LASF");
+        return ERROR_FILE(error, 0, "this is no LAS file: it does not begin with a header of LASF");
     size_t header_size = (size_t)bytes_whole(bytes + AT_HEADER_SIZE, 2, false), format = bytes[AT_FORMAT];
     if ((format & COMPRESSED) != 0)
         return error_set(
@@ -56,9 +51,9 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
             "the points are compressed (LAZ), which Debian has no library for: laszip, PDAL or the Python package "
             "laspy[lazrs] write LAS");
     if (bytes[AT_MINOR - 1] != 1 || bytes[AT_MINOR] > 4 || format >= POINT_FORMATS)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "version %d.%d with point format %zu is not supported, only 1.0 to 1.4 with 0 to 10",
-                         bytes[AT_MINOR - 1], bytes[AT_MINOR], format);
+        return ERROR_UNSUPPORTED(error, 0,
+                                 "version %d.%d with point format %zu is not supported, only 1.0 to 1.4 with 0 to 10",
+                                 bytes[AT_MINOR - 1], bytes[AT_MINOR], format);
     *header = (las_header){.format = format,
                            .record = (size_t)bytes_whole(bytes + AT_RECORD, 2, false),
                            .begin = (size_t)bytes_whole(bytes + AT_POINTS, 4, false),
@@ -66,18 +61,18 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
     if (bytes[AT_MINOR] == 4 && header_size >= HEADER_14 && size >= HEADER_14)
         header->count = bytes_whole(bytes + AT_COUNT_14, 8, false);
     if (header->record < RECORDS[format])
-        return bad(error, "the records of points are shorter than their format");
+        return ERROR_FILE(error, 0, "the records of points are shorter than their format");
     for (size_t d = 0; d < 3; d++)
     {
         header->scale[d] = bytes_real(bytes + AT_SCALE + 8 * d, 8, false);
         header->offset[d] = bytes_real(bytes + AT_OFFSET + 8 * d, 8, false);
         if (!isfinite(header->scale[d]) || !isfinite(header->offset[d]) || header->scale[d] == 0)
-            return bad(error, "a scale or an offset of the header is zero or not finite");
+            return ERROR_FILE(error, 0, "a scale or an offset of the header is zero or not finite");
     }
     if (header->begin > size || header->count > (size - header->begin) / header->record)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file ends after %zu of %llu points",
-                         header->begin > size ? 0 : (size - header->begin) / header->record,
-                         (unsigned long long)header->count);
+        return ERROR_FILE(error, 0, "the file ends after %zu of %llu points",
+                          header->begin > size ? 0 : (size - header->begin) / header->record,
+                          (unsigned long long)header->count);
     return BAT_OK;
 }
 
@@ -151,7 +146,7 @@ bat_status cloud_las_read(const file_text *text, const bat_cloud_read_options *o
         }
     }
     if (status == BAT_OK && listing->count == 0 && others > 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "none of the %zu points has a class that is read", others);
+        return ERROR_FILE(error, 0, "none of the %zu points has a class that is read", others);
     if (status == BAT_OK && others > 0)
         status = mesh_note(options->notes, error, "%zu points of %s are left out", others,
                            options->classes != NULL ? "other classes" : "the classes 7 and 18, noise,");

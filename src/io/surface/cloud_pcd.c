@@ -39,11 +39,6 @@ typedef struct pcd_header
     size_t record; ///< bytes, or words of text, of a point
 } pcd_header;
 
-static bat_status bad(size_t line, bat_error *error, const char *what)
-{
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "%s", what);
-}
-
 static void read_fields(word_scan *scan, pcd_header *header)
 {
     static const char *const AXES[] = {"x", "y", "z"};
@@ -91,7 +86,7 @@ static bat_status read_encoding(word_scan *scan, pcd_header *header, bat_error *
     else if (scan_word(scan, "binary_compressed"))
         header->encoding = PCD_COMPRESSED;
     else
-        return bad(scan->line, error, "DATA is none of ascii, binary and binary_compressed");
+        return ERROR_FILE(error, scan->line, "DATA is none of ascii, binary and binary_compressed");
     return BAT_OK;
 }
 
@@ -133,10 +128,10 @@ static bat_status read_entry(word_scan *scan, pcd_header *header, bat_error *err
 static bat_status finish_header(size_t line, pcd_header *header, bat_error *error)
 {
     if (header->axes[0] == SIZE_MAX || header->axes[1] == SIZE_MAX || header->axes[2] == SIZE_MAX)
-        return bad(line, error, "FIELDS does not name x, y and z");
+        return ERROR_FILE(error, line, "FIELDS does not name x, y and z");
     if (header->sizes != header->field_count || header->types != header->field_count ||
         (header->counts != 0 && header->counts != header->field_count))
-        return bad(line, error, "SIZE, TYPE or COUNT has not one entry for each field");
+        return ERROR_FILE(error, line, "SIZE, TYPE or COUNT has not one entry for each field");
     for (size_t f = 0; f < header->field_count; f++)
     {
         pcd_field *field = &header->fields[f];
@@ -147,11 +142,10 @@ static bat_status finish_header(size_t line, pcd_header *header, bat_error *erro
     {
         const pcd_field *field = &header->fields[header->axes[d]];
         if (field->type != 'F' || field->count != 1 || (field->size != 4 && field->size != 8))
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, line,
-                             "x, y or z is not one floating-point number of 4 or 8 bytes");
+            return ERROR_UNSUPPORTED(error, line, "x, y or z is not one floating-point number of 4 or 8 bytes");
     }
     if (!header->has_points && size_multiply_overflows(header->width, header->height, &header->points))
-        return bad(line, error, "WIDTH times HEIGHT is too large");
+        return ERROR_FILE(error, line, "WIDTH times HEIGHT is too large");
     return BAT_OK;
 }
 
@@ -161,7 +155,7 @@ static bat_status read_header(word_scan *scan, pcd_header *header, bat_error *er
     while (!header->has_data)
     {
         if (!scan_next_content(scan))
-            return bad(scan->line, error, "the header has no line DATA");
+            return ERROR_FILE(error, scan->line, "the header has no line DATA");
         bat_status status = read_entry(scan, header, error);
         if (status != BAT_OK)
             return status;
@@ -172,7 +166,7 @@ static bat_status read_header(word_scan *scan, pcd_header *header, bat_error *er
             return status;
         }
         if (!scan_next_line(scan))
-            return bad(scan->line, error, "the header has no line DATA");
+            return ERROR_FILE(error, scan->line, "the header has no line DATA");
     }
     return BAT_OK;
 }
@@ -279,14 +273,13 @@ static bat_status read_compressed(const unsigned char *bytes, size_t left, const
     };
     uint64_t size = left >= SIZES ? bytes_whole(bytes, 4, false) : 0;
     if (left < SIZES || size > left - SIZES || bytes_whole(bytes + 4, 4, false) != wanted)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the compressed data is not that of %zu points",
-                         header->points);
+        return ERROR_FILE(error, 0, "the compressed data is not that of %zu points", header->points);
     unsigned char *data = memory_array(wanted, 1);
     if (data == NULL)
         return error_memory(error, wanted);
     bat_status status = decompress(bytes + SIZES, (size_t)size, data, wanted)
                             ? decode_points(data, header, listing, error)
-                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the compressed data is damaged");
+                            : ERROR_FILE(error, 0, "the compressed data is damaged");
     free(data);
     return status;
 }
@@ -311,14 +304,13 @@ bat_status cloud_pcd_read(const file_text *text, const bat_cloud_read_options *o
     size_t left = (size_t)(scan.end - scan.at), wanted;
     const unsigned char *bytes = (const unsigned char *)scan.at;
     if (size_multiply_overflows(header.points, header.record, &wanted))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the points are too many");
+        return ERROR_FILE(error, 0, "the points are too many");
     status = header.encoding == PCD_COMPRESSED ? file_text_points(text, text->size, header.points, error) : BAT_OK;
     if (status != BAT_OK)
         return status;
     if (header.encoding == PCD_COMPRESSED)
         return read_compressed(bytes, left, &header, wanted, listing, error);
     if (left < wanted)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file ends after %zu of %zu points", left / header.record,
-                         header.points);
+        return ERROR_FILE(error, 0, "the file ends after %zu of %zu points", left / header.record, header.points);
     return decode_points(bytes, &header, listing, error);
 }

@@ -122,7 +122,7 @@ static bat_status split_row(row_reader *reader, const text_line *line, char sepa
     const char *fault = csv_split(reader->text, line, separator, reader->fields, count);
     for (size_t i = 0; fault == NULL && i < *count; i++)
         reader->fields[i] = csv_unquoted(reader->fields[i]);
-    return fault == NULL ? BAT_OK : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", fault);
+    return fault == NULL ? BAT_OK : ERROR_FILE(error, line->number, "%s", fault);
 }
 
 /// Find the fields that are named x, y and z. Whether all are there.
@@ -162,8 +162,7 @@ static bat_status end_block(const row_reader *reader, bat_error *error)
     size_t made = reader->rows - reader->begun;
     if (reader->told_line == 0 || reader->told == made)
         return BAT_OK;
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->told_line, "%zu points are announced, but %zu follow",
-                     reader->told, made);
+    return ERROR_FILE(error, reader->told_line, "%zu points are announced, but %zu follow", reader->told, made);
 }
 
 /// Take a row that is the number of points that follow, as in PTS files and CloudCompare's.
@@ -221,8 +220,7 @@ static bat_status find_layout(row_reader *reader, bat_error *error)
     if (reader->named)
         memcpy(layout->places, places, sizeof places);
     if (status == BAT_OK && layout->columns < 3 && !layout->is_free)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, first->number, "%zu columns, but a point has 3 coordinates",
-                           layout->columns);
+        status = ERROR_FILE(error, first->number, "%zu columns, but a point has 3 coordinates", layout->columns);
     return status;
 }
 
@@ -402,8 +400,7 @@ bat_status cloud_ptx_read(const file_text *text, const bat_cloud_read_options *o
         uint64_t sides[2];
         double frame[PTX_FRAME];
         if (!scan_count_line(&scan, &sides[0]) || !scan_count_line(&scan, &sides[1]))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan.line,
-                             "a scan begins with the numbers of its columns and rows, each on a line");
+            return ERROR_FILE(error, scan.line, "a scan begins with the numbers of its columns and rows, each on a line");
         status = scan_numbers(&scan, PTX_FRAME, BAT_NO_INDEX, frame, error);
         (void)scan_next_line(&scan);
         if (status == BAT_OK)

@@ -89,8 +89,8 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
     if (surface->space == NULL || surface->control == NULL || surface->dimension == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the surface is empty");
     if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a surface of dimension %zu can be written as XML and JSON only", surface->dimension);
+        return ERROR_UNSUPPORTED(error, 0, "a surface of dimension %zu can be written as XML and JSON only",
+                                 surface->dimension);
     status = spline_trim_check(&surface->trim, error);
     if (status != BAT_OK)
         return status;
@@ -161,8 +161,8 @@ bat_status bat_shell_write(const char *path, const bat_shell *shell, const bat_s
         return atomic_file_end(&file, shell_step_write(shell, options, &sink, error), error);
     }
     if (format != BAT_SURFACE_FORMAT_AUTO && format != BAT_SURFACE_FORMAT_OBJ)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a shell of any shape can be written as STEP, or as a mesh: OBJ, PLY, STL, OFF, glTF");
+        return ERROR_UNSUPPORTED(error, 0,
+                                 "a shell of any shape can be written as STEP, or as a mesh: OBJ, PLY, STL, OFF, glTF");
     bat_mesh mesh;
     status = bat_shell_tessellate(shell, options->samples > 0 ? options->samples : SHELL_SAMPLES, &mesh, error);
     if (status != BAT_OK)
@@ -181,8 +181,8 @@ bat_status surface_read_text(const file_text *text, bat_spline_surface *surface,
     if (text->data[blanks] == '{')
         return surface_json_read(text, surface, error);
     if (strncmp(text->data + blanks, step, sizeof step - 1) == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "STEP is only supported for writing surfaces");
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "this is neither XML of G+Smo nor JSON");
+        return ERROR_UNSUPPORTED(error, 0, "STEP is only supported for writing surfaces");
+    return ERROR_FILE(error, 1, "this is neither XML of G+Smo nor JSON");
 }
 
 bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error)
@@ -287,8 +287,7 @@ static bat_status read_rows(const file_text *text, row_listing *listing, bat_err
 static bat_status spread_rows(const row_listing *listing, const bat_cloud *cloud, double *parameters, bat_error *error)
 {
     if (listing->rows == NULL || listing->count != input_count(cloud))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu rows of parameters for %zu points", listing->count,
-                         input_count(cloud));
+        return ERROR_FILE(error, 0, "%zu rows of parameters for %zu points", listing->count, input_count(cloud));
     for (size_t i = 0; i < cloud->count; i++)
     {
         const double *row = listing->rows + 2 * place_of(cloud, i);

@@ -55,8 +55,7 @@ static size_t line_of(const json_file *file, const char *member, size_t element)
 
 static bat_status bad_member(const json_file *file, const char *member, const char *what)
 {
-    return error_set(file->error, BAT_BAD_FILE, BAT_NO_INDEX, line_of(file, member, BAT_NO_INDEX), "\"%s\" %s", member,
-                     what);
+    return ERROR_FILE(file->error, line_of(file, member, BAT_NO_INDEX), "\"%s\" %s", member, what);
 }
 
 static bat_status bad_element(const json_file *file, const char *member, size_t element, const char *what)
@@ -88,8 +87,7 @@ static bat_status check_format(const json_file *file)
     if (format == NULL || strcmp(format, "batten surface") != 0)
         return bad_member(file, "format", "is not \"batten surface\"");
     if (!whole(json_object_get(file->root, "version"), UINT32_MAX, &version) || version != 1)
-        return error_set(file->error, BAT_UNSUPPORTED, BAT_NO_INDEX, line_of(file, "version", BAT_NO_INDEX),
-                         "only \"version\" 1 is read");
+        return ERROR_UNSUPPORTED(file->error, line_of(file, "version", BAT_NO_INDEX), "only \"version\" 1 is read");
     return BAT_OK;
 }
 
@@ -316,8 +314,7 @@ bat_status surface_json_read(const file_text *text, bat_spline_surface *surface,
     bat_status status = json_parse(text->data, text->size, 0, 1, &file.root, error);
     if (status != BAT_OK)
         return status;
-    status = json_is_object(file.root) ? read_surface(&file, &made)
-                                       : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "this is not a JSON object");
+    status = json_is_object(file.root) ? read_surface(&file, &made) : ERROR_FILE(error, 1, "this is not a JSON object");
     json_decref(file.root);
     if (status == BAT_OK)
         *surface = made;

@@ -7,8 +7,8 @@
 static bat_status check_box(const bat_hierarchical_options *options, const surface_box *box, bat_error *error)
 {
     if (box->level >= BAT_HIERARCHICAL_MAX_LEVELS)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, box->line, "the box is of level %llu, above %d",
-                         (unsigned long long)box->level, BAT_HIERARCHICAL_MAX_LEVELS - 1);
+        return ERROR_FILE(error, box->line, "the box is of level %llu, above %d", (unsigned long long)box->level,
+                          BAT_HIERARCHICAL_MAX_LEVELS - 1);
     for (int d = 0; d < 2; d++)
     {
         uint64_t cells = surface_level_cells(options, box->level, d);
@@ -16,9 +16,8 @@ static bat_status check_box(const bat_hierarchical_options *options, const surfa
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, box->line, "the grid of level %llu has 2^32 cells or more",
                              (unsigned long long)box->level);
         if (box->low[d] >= box->high[d] || box->high[d] > cells)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
-                             "the box from %llu to %llu is empty or exceeds the %llu cells of its level",
-                             (unsigned long long)box->low[d], (unsigned long long)box->high[d], (unsigned long long)cells);
+            return ERROR_FILE(error, box->line, "the box from %llu to %llu is empty or exceeds the %llu cells of its level",
+                              (unsigned long long)box->low[d], (unsigned long long)box->high[d], (unsigned long long)cells);
     }
     return BAT_OK;
 }
@@ -121,8 +120,8 @@ static bat_status unfilled(const surface_box *boxes, size_t count, size_t level,
     size_t i = 0;
     while (i < count && !(boxes[i].level >= level && is_odd(&boxes[i])))
         i++;
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, i < count ? boxes[i].line : 0,
-                     "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
+    return ERROR_UNSUPPORTED(error, i < count ? boxes[i].line : 0,
+                             "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
 }
 
 /// Check boxes that divide cells of the previous level; the space contains these cells whole. In a space of twice the spans,
@@ -153,8 +152,8 @@ static bat_status check_size(const bat_hierarchical_options *options, size_t lin
         min_functions *= (double)options->spans[d] + options->degree[d];
     if (min_functions <= (double)functions)
         return BAT_OK;
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line,
-                     "there are %zu control points, fewer than the %.0f functions of level 0", functions, min_functions);
+    return ERROR_FILE(error, line, "there are %zu control points, fewer than the %.0f functions of level 0", functions,
+                      min_functions);
 }
 
 bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count, size_t line,
@@ -171,8 +170,8 @@ bat_status surface_space_make(const bat_hierarchical_options *options, const sur
     if (status == BAT_OK && any_odd(boxes, count))
         status = check_filled(options, boxes, count, made, error);
     if (status == BAT_OK && bat_hierarchical_space_functions(made) != functions)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "there are %zu control points, but %zu functions",
-                           functions, bat_hierarchical_space_functions(made));
+        status = ERROR_FILE(error, line, "there are %zu control points, but %zu functions", functions,
+                            bat_hierarchical_space_functions(made));
     if (status == BAT_OK)
         *space = made;
     else

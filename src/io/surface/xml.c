@@ -271,8 +271,7 @@ static bat_status bad_number(const xml_state *state, const char *begin, const ch
     while (word_end < end && !text_is_blank(*word_end))
         word_end++;
     char excerpt[EXCERPT_SIZE];
-    return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a number",
-                     text_excerpt(excerpt, at, word_end));
+    return ERROR_FILE(state->xml.error, line, "'%s' is not a number", text_excerpt(excerpt, at, word_end));
 }
 
 static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
@@ -312,8 +311,8 @@ static bat_status read_box(const xml_state *state, surface_box *box)
         whole = numbers.values[i] >= 0 && numbers.values[i] <= UINT32_MAX &&
                 numbers.values[i] == (double)(uint32_t)numbers.values[i];
     if (status == BAT_OK && !whole)
-        status = error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
-                           "a box has four whole numbers: its start and its end in each direction");
+        status =
+            ERROR_FILE(state->xml.error, box->line, "a box has four whole numbers: its start and its end in each direction");
     for (size_t d = 0; d < 2 && status == BAT_OK; d++)
     {
         box->low[d] = (uint64_t)numbers.values[d];
@@ -354,15 +353,15 @@ static bat_status check_whole(const xml_state *state)
 {
     const xml_surface *surface = state->surface;
     if (surface->line == 0 && state->other_line > 0)
-        return error_set(state->xml.error, BAT_UNSUPPORTED, BAT_NO_INDEX, state->other_line,
-                         "a geometry of type '%s' is not supported; THBSpline2, HBSpline2 and TensorBSpline2 are",
-                         state->other_type);
+        return ERROR_UNSUPPORTED(state->xml.error, state->other_line,
+                                 "a geometry of type '%s' is not supported; THBSpline2, HBSpline2 and TensorBSpline2 are",
+                                 state->other_type);
     if (surface->line == 0)
-        return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no element <Geometry>");
+        return ERROR_FILE(state->xml.error, 0, "there is no element <Geometry>");
     if (surface->directions < 2)
-        return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks a <KnotVector>");
+        return ERROR_FILE(state->xml.error, surface->line, "the surface lacks a <KnotVector>");
     if (surface->control.line == 0)
-        return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks <coefs>");
+        return ERROR_FILE(state->xml.error, surface->line, "the surface lacks <coefs>");
     return BAT_OK;
 }
 
@@ -427,12 +426,12 @@ static bat_status read_options(const xml_surface *from, bat_hierarchical_options
     {
         const xml_numbers *knots = &from->knots[d];
         if (from->degree[d] < 1)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line, "splines of degree 0 are not supported");
+            return ERROR_UNSUPPORTED(error, knots->line, "splines of degree 0 are not supported");
         options->degree[d] = from->degree[d];
         options->spans[d] = uniform_spans(knots, (size_t)from->degree[d]);
         if (options->spans[d] == 0 || options->spans[d] > UINT32_MAX)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line,
-                             "only uniform knots with %d equal knots at both ends are supported", from->degree[d] + 1);
+            return ERROR_UNSUPPORTED(error, knots->line, "only uniform knots with %d equal knots at both ends are supported",
+                                     from->degree[d] + 1);
     }
     return BAT_OK;
 }
@@ -446,8 +445,8 @@ bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, 
     if (status == BAT_OK)
         status = read_options(&from, &options, error);
     if (status == BAT_OK && (from.dimension == 0 || from.control.count % from.dimension != 0))
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, from.control.line,
-                           "%zu numbers are not points of %zu coordinates", from.control.count, from.dimension);
+        status = ERROR_FILE(error, from.control.line, "%zu numbers are not points of %zu coordinates", from.control.count,
+                            from.dimension);
     if (status == BAT_OK)
         status = surface_space_make(&options, from.boxes, from.box_count, from.control.line,
                                     from.control.count / from.dimension, &space, error);
