@@ -648,8 +648,7 @@ bat_status csv_read(const file_text *text, const bat_curve_read_options *options
     if (options->format == BAT_CURVE_FORMAT_TUM || options->format == BAT_CURVE_FORMAT_EUROC)
     {
         if (options->space != NULL && strcmp(options->space, "rigid") != 0)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "a TUM trajectory is in the space rigid, not %.60s", options->space);
+            return ERROR_ARGUMENT(error, "a TUM trajectory is in the space rigid, not %.60s", options->space);
         chosen.space = "rigid";
         chosen.columns = chosen.group = NULL;
         chosen.motion = true;

@@ -87,15 +87,13 @@ static bat_status find_chosen(csv_reader *reader, const char *list, size_t *chos
         csv_field name = csv_trimmed(at, comma != NULL ? comma : at + strlen(at));
         size_t length = (size_t)(name.end - name.begin);
         if (*count == BAT_SPACE_MAX_DIM)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "columns: more than %d columns",
-                             BAT_SPACE_MAX_DIM);
+            return ERROR_ARGUMENT(error, "columns: more than %d columns", BAT_SPACE_MAX_DIM);
         bat_status status = csv_find_column(reader, "columns", name.begin, length, &chosen[*count], error);
         if (status != BAT_OK)
             return status;
         for (size_t i = 0; i < *count; i++)
             if (chosen[i] == chosen[*count])
-                return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "columns: '%.*s' is there twice", (int)length,
-                                 name.begin);
+                return ERROR_ARGUMENT(error, "columns: '%.*s' is there twice", (int)length, name.begin);
         ++*count;
         at = comma != NULL ? comma + 1 : NULL;
     }
@@ -494,8 +492,7 @@ static bat_status use_choice(csv_reader *reader, const text_line *line, bool nam
     for (size_t i = 0; i < choice->count; i++)
     {
         if (choice->columns[i] == reader->group)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "group: the column '%.60s' holds a coordinate",
-                             reader->options->group);
+            return ERROR_ARGUMENT(error, "group: the column '%.60s' holds a coordinate", reader->options->group);
         column_state *state = &reader->columns[choice->columns[i]];
         state->is_coordinate = true;
         state->kind = CSV_NUMBER;

@@ -152,7 +152,7 @@ static bat_status curve_read_options_check(const void *opaque, bat_error *error)
 {
     const bat_curve_read_options *options = opaque;
     const char *fault = poses_euler_fault(options->euler);
-    return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
+    return fault == NULL ? BAT_OK : ERROR_ARGUMENT(error, "%s", fault);
 }
 
 const bat_options_table bat_curve_read_fields = OPTIONS_TABLE(bat_curve_read_options, READ_FIELDS, curve_read_options_check);
@@ -170,11 +170,10 @@ static bat_status check_format_options(bat_curve_format format, const bat_curve_
 {
     const char *name = bat_choice_name(&bat_curve_format_family, (int)format);
     if (format != BAT_CURVE_FORMAT_CSV && (options->columns != NULL || options->group != NULL))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only CSV has %s, not the format %s",
-                         options->columns != NULL ? "columns" : "a column to group by", name);
+        return ERROR_ARGUMENT(error, "only CSV has %s, not the format %s",
+                              options->columns != NULL ? "columns" : "a column to group by", name);
     if (row_of(format)->read != NULL && options->layer != NULL && format != BAT_CURVE_FORMAT_TOPOJSON)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "only TopoJSON and formats of GDAL have layers, not the format %s", name);
+        return ERROR_ARGUMENT(error, "only TopoJSON and formats of GDAL have layers, not the format %s", name);
     return BAT_OK;
 }
 
@@ -280,7 +279,7 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
     if (options->crs != NULL && options->crs[0] == '\0')
         return error_option(error, "crs", "must not be empty");
     if (set->count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to write");
+        return ERROR_ARGUMENT(error, "there are no curves to write");
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].count == 0)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "curve %zu has no points", i);

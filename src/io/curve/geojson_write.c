@@ -418,8 +418,8 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
             write_crs(name, &writer->crs);
         free(name);
         if (!fits)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the curves have longitudes and latitudes, which are no coordinates in %.80s", options->crs);
+            return ERROR_ARGUMENT(error, "the curves have longitudes and latitudes, which are no coordinates in %.80s",
+                                  options->crs);
     }
     if (writer->crs.failed)
         return error_memory(error, writer->crs.size);

@@ -210,14 +210,13 @@ static bat_status choose_object(const topology_reader *reader, const bat_curve_r
     {
         *name = options->layer;
         *chosen = json_object_get(objects, options->layer);
-        return *chosen != NULL ? BAT_OK
-                               : error_set(reader->error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                                           "there is no object '%.40s'; there are %s", options->layer, names);
+        return *chosen != NULL
+                   ? BAT_OK
+                   : ERROR_ARGUMENT(reader->error, "there is no object '%.40s'; there are %s", options->layer, names);
     }
     if (json_object_size(objects) == 1)
         return BAT_OK;
-    (void)error_set(reader->error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are %zu objects: %s",
-                    json_object_size(objects), names);
+    (void)ERROR_ARGUMENT(reader->error, "there are %zu objects: %s", json_object_size(objects), names);
     return error_remedy(reader->error, BAT_INVALID_ARGUMENT, "layer", "chooses one");
 }
 

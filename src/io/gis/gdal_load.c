@@ -289,8 +289,7 @@ bat_status gis_to_sphere(bat_curve_set *set, bat_error *error)
     if (set->space->point_dim != 2)
         return BAT_OK;
     if (set->attributes == NULL || set->attributes->crs == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the file names no coordinate system, so its points cannot go to the sphere");
+        return ERROR_ARGUMENT(error, "the file names no coordinate system, so its points cannot go to the sphere");
     bat_curve_set moved;
     bat_status status = gis_transform(set, set->attributes->crs, GIS_SPHERE, &moved, error);
     if (status != BAT_OK)

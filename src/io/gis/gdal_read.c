@@ -395,10 +395,9 @@ static bat_status choose_layer(GDALDatasetH dataset, const bat_curve_read_option
     if (options->layer != NULL)
     {
         *chosen = gdal.GDALDatasetGetLayerByName(dataset, options->layer);
-        return *chosen != NULL
-                   ? BAT_OK
-                   : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no layer '%.40s'; there are %s",
-                               options->layer, layer_names(dataset, true, names, sizeof names));
+        return *chosen != NULL ? BAT_OK
+                               : ERROR_ARGUMENT(error, "there is no layer '%.40s'; there are %s", options->layer,
+                                                layer_names(dataset, true, names, sizeof names));
     }
     size_t count = 0;
     for (int i = 0; i < gdal.GDALDatasetGetLayerCount(dataset); i++)
@@ -411,8 +410,7 @@ static bat_status choose_layer(GDALDatasetH dataset, const bat_curve_read_option
         return ERROR_FILE(error, 0, "there are no lines or polygons");
     if (count > 1)
     {
-        (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are %zu layers: %s", count,
-                        layer_names(dataset, false, names, sizeof names));
+        (void)ERROR_ARGUMENT(error, "there are %zu layers: %s", count, layer_names(dataset, false, names, sizeof names));
         return error_remedy(error, BAT_INVALID_ARGUMENT, "layer", "chooses one");
     }
     return BAT_OK;

@@ -399,15 +399,14 @@ static bat_status choose_system(layer_writer *writer, bat_error *error)
     if (writer->options->crs != NULL)
         name = writer->options->crs;
     if (is_global(writer) && !sphere && name == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "%s holds longitude and latitude, but the curves lie in a plane without a coordinate system",
-                         writer->driver_name);
+        return ERROR_ARGUMENT(error,
+                              "%s holds longitude and latitude, but the curves lie in a plane without a coordinate system",
+                              writer->driver_name);
     writer->system = name != NULL ? system_by_name(name) : sphere ? system_by_name("EPSG:4326") : NULL;
     if (writer->system == NULL && (name != NULL || sphere))
         return gdal_fault(&writer->messages, BAT_UNSUPPORTED, error, "there is no such coordinate system");
     if (writer->options->crs != NULL && sphere && !system_is_degrees(writer->system))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the curves have longitudes and latitudes, which are no coordinates in %.80s", name);
+        return ERROR_ARGUMENT(error, "the curves have longitudes and latitudes, which are no coordinates in %.80s", name);
     if (!is_global(writer) || name == NULL)
         return BAT_OK;
     OGRSpatialReferenceH wgs84 = system_by_name("OGC:CRS84");

@@ -337,9 +337,9 @@ static bat_status check_write(bat_mesh_format format, const bat_mesh_write_optio
     if (format == BAT_MESH_FORMAT_AUTO)
         return choice_unnamed_output(&bat_mesh_format_family, error);
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
+        return ERROR_ARGUMENT(error, "only PLY supports the big-endian encoding");
     if (options->lod_count > 0 && format != BAT_MESH_FORMAT_GLTF && format != BAT_MESH_FORMAT_GLB)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only glTF holds levels of detail");
+        return ERROR_ARGUMENT(error, "only glTF holds levels of detail");
     for (size_t i = 0; i < options->lod_count && status == BAT_OK; i++)
         status = options->lods[i].offsets == NULL ? bat_mesh_check(&options->lods[i], error)
                                                   : error_option(error, "lods", "must be triangles");

@@ -212,8 +212,8 @@ bat_status poses_read(const file_text *text, bat_curve_format format, const bat_
     bool forced = format == BAT_CURVE_FORMAT_EUROC || format == BAT_CURVE_FORMAT_KITTI || format == BAT_CURVE_FORMAT_BVH;
     bat_status status = BAT_OK;
     if (forced && options->space != NULL && strcmp(options->space, "rigid") != 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s poses are in the space rigid, not %.60s",
-                           bat_choice_name(&bat_curve_format_family, (int)format), options->space);
+        status = ERROR_ARGUMENT(error, "%s poses are in the space rigid, not %.60s",
+                                bat_choice_name(&bat_curve_format_family, (int)format), options->space);
     else if (format == BAT_CURVE_FORMAT_KITTI)
         status = pose_translate_kitti(work, error);
     else if (format == BAT_CURVE_FORMAT_EUROC)

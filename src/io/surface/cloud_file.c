@@ -129,7 +129,7 @@ static bat_status source_read(cloud_source *source, const bat_cloud_read_options
             "E57 is not supported: Debian has no library for it; CloudCompare and the Python package pye57 "
             "write formats that are");
     if (how->classes != NULL && source->format != BAT_CLOUD_FORMAT_LAS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only points of LAS files have classes");
+        return ERROR_ARGUMENT(error, "only points of LAS files have classes");
     if (row->read != NULL)
         return row->read(source->text, how, listing, error);
     bat_mesh_read_options options = bat_mesh_read_defaults();
@@ -294,7 +294,7 @@ static bat_status cloud_of_mesh(const cloud_source *source, const bat_cloud_read
     bat_mesh welded = {0};
     cloud_remarks remarks = cloud_remarks_read(source->text);
     if (options->boundary > 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the file is a mesh, which has its own boundary");
+        return ERROR_ARGUMENT(error, "the file is a mesh, which has its own boundary");
     bat_status status = options->strict ? BAT_OK : bat_mesh_weld(&source->mesh, 0, NULL, &welded, error);
     size_t repeated = status != BAT_OK || options->strict ? 0 : source->mesh.vertex_count - welded.vertex_count;
     if (status == BAT_OK)

@@ -87,7 +87,7 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
     if (format == BAT_SURFACE_FORMAT_AUTO)
         return choice_unnamed_output(&bat_surface_format_family, error);
     if (surface->space == NULL || surface->control == NULL || surface->dimension == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the surface is empty");
+        return ERROR_ARGUMENT(error, "the surface is empty");
     if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)
         return ERROR_UNSUPPORTED(error, 0, "a surface of dimension %zu can be written as XML and JSON only",
                                  surface->dimension);
