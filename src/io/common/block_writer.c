@@ -23,6 +23,13 @@ bat_status sink_write(text_sink *sink, const text_buffer *text, bat_error *error
     return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
 }
 
+bat_status sink_take(text_sink *sink, text_buffer *text, bat_status status, bat_error *error)
+{
+    status = status == BAT_OK ? sink_write(sink, text, error) : status;
+    text_free(text);
+    return status;
+}
+
 bat_status sink_format(text_sink *sink, bat_error *error, const char *format, ...)
 {
     char line[512];

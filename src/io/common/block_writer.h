@@ -18,6 +18,9 @@ typedef struct text_sink
 /// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY
 bat_status sink_write(text_sink *sink, const text_buffer *text, bat_error *error);
 
+/// Write a text where `status` is BAT_OK, and release it. Hands the status on.
+bat_status sink_take(text_sink *sink, text_buffer *text, bat_status status, bat_error *error);
+
 /// Write a text of at most 511 characters, without floating-point numbers: printf() depends on the locale.
 /// @return as sink_write()
 bat_status sink_format(text_sink *sink, bat_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));

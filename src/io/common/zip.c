@@ -295,11 +295,9 @@ bat_status zip_add(zip_writer *writer, const char *name, const text_buffer *cont
         text_append_string(&writer->directory, name);
         writer->written += out.size;
         writer->count++;
-        status = sink_write(writer->sink, &out, error);
     }
-    text_free(&out);
     text_free(&deflated);
-    return status;
+    return sink_take(writer->sink, &out, status, error);
 }
 
 bat_status zip_end(zip_writer *writer, bat_status status, bat_error *error)
@@ -308,8 +306,5 @@ bat_status zip_end(zip_writer *writer, bat_status status, bat_error *error)
     size_t size = writer->directory.size;
     (void)put(put(put(put(put(put(end, END, 4), 0, 4), writer->count, 2), writer->count, 2), size, 4), writer->written, 4);
     text_append(&writer->directory, end, sizeof end);
-    if (status == BAT_OK)
-        status = sink_write(writer->sink, &writer->directory, error);
-    text_free(&writer->directory);
-    return status;
+    return sink_take(writer->sink, &writer->directory, status, error);
 }

@@ -116,14 +116,6 @@ void csv_columns_free(csv_columns *columns)
     *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
 }
 
-/// Use these two columns as coordinates, and all others as channels. False when out of memory.
-static bool use_degrees(csv_columns *columns, size_t longitude, size_t latitude)
-{
-    size_t pair[2] = {longitude, latitude};
-    columns->degrees = true;
-    return csv_columns_place(columns, pair, 2);
-}
-
 /// Assign the next coordinate to a column, if the column exists and has no meaning yet.
 static void place_column(csv_columns *columns, const char *name, size_t *next)
 {
@@ -242,7 +234,9 @@ bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *
     if (!csv_columns_name(columns, fields, count))
         return false;
     columns->time = first > 0 ? 0 : BAT_NO_INDEX;
-    return attributes->degrees ? use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form);
+    columns->degrees = attributes->degrees;
+    return columns->degrees ? csv_columns_place(columns, (const size_t[]){first, first + 1}, 2)
+                            : csv_columns_use_form(columns, form);
 }
 
 // Tables of spellings.

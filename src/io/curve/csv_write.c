@@ -331,15 +331,12 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
     if (status == BAT_OK)
         status = find_places(set, &layout, error);
     if (status == BAT_OK)
-    {
         write_header(&layout, set, &header);
-        status = sink_write(sink, &header, error);
-    }
+    status = sink_take(sink, &header, status, error);
     if (status == BAT_OK)
         status = rows_write(set, sink, options->threads, format_rows, &layout, error);
     free(layout.places);
     csv_columns_free(&layout.made);
-    text_free(&header);
     return status;
 }
 

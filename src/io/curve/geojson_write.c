@@ -362,14 +362,10 @@ static bat_status write_set(geojson_writer *writer, const bat_curve_write_option
         write_frame(writer, document->collection, &before, &after);
     else
         text_append_string(&after, "\n");
-    bat_status status = sink_write(sink, &before, error);
+    bat_status status = sink_take(sink, &before, BAT_OK, error);
     if (status == BAT_OK)
         status = write_blocks(writer, document != NULL ? document->feature_count : writer->set->count, options, sink, error);
-    if (status == BAT_OK)
-        status = sink_write(sink, &after, error);
-    text_free(&before);
-    text_free(&after);
-    return status;
+    return sink_take(sink, &after, status, error);
 }
 
 /// The channel of the altitude, or BAT_NO_INDEX.

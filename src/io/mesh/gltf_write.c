@@ -763,9 +763,7 @@ bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *o
     if (status == BAT_OK)
         status = finish_json(&writer, true, &text, error);
     text_append(&text, "\n", 1);
-    if (status == BAT_OK)
-        status = sink_write(sink, &text, error);
-    text_free(&text);
+    status = sink_take(sink, &text, status, error);
     writer_free(&writer);
     return status;
 }
@@ -798,12 +796,9 @@ bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     text_append(&head, header, sizeof header);
     append_chunk(&head, json.size, GLB_JSON);
     append_chunk(&middle, writer.bytes.size, GLB_BIN);
-    const text_buffer *const parts[] = {&head, &json, &middle, &writer.bytes};
-    for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
-        status = sink_write(sink, parts[i], error);
-    text_free(&json);
-    text_free(&head);
-    text_free(&middle);
+    text_buffer *const parts[] = {&head, &json, &middle, &writer.bytes};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        status = sink_take(sink, parts[i], status, error);
     writer_free(&writer);
     return status;
 }

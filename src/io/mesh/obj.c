@@ -418,25 +418,18 @@ static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
     bat_mesh_rules *rules = &reader->builder.mesh.rules;
     uint64_t number = 0, counts[3];
     *known = true;
-    if (scan_word(scan, "interpolateboundary"))
+    bool boundary = scan_word(scan, "interpolateboundary");
+    bool linear = !boundary && scan_word(scan, "facevaryinginterpolateboundary");
+    if (boundary || linear || scan_word(scan, "facevaryingpropagatecorners"))
     {
-        bat_status status = read_rule_number(reader, sizeof BOUNDARY_TAGS / sizeof *BOUNDARY_TAGS, &number, error);
-        if (status == BAT_OK)
+        size_t count = boundary ? sizeof BOUNDARY_TAGS / sizeof *BOUNDARY_TAGS
+                       : linear ? sizeof LINEAR_TAGS / sizeof *LINEAR_TAGS
+                                : 2;
+        bat_status status = read_rule_number(reader, count, &number, error);
+        if (status == BAT_OK && boundary)
             rules->boundary = BOUNDARY_TAGS[number];
-        return status;
-    }
-    if (scan_word(scan, "facevaryinginterpolateboundary"))
-    {
-        bat_status status = read_rule_number(reader, sizeof LINEAR_TAGS / sizeof *LINEAR_TAGS, &number, error);
-        if (status == BAT_OK)
-            rules->linear = LINEAR_TAGS[number];
-        return status;
-    }
-    if (scan_word(scan, "facevaryingpropagatecorners"))
-    {
-        bat_status status = read_rule_number(reader, 2, &number, error);
-        if (status == BAT_OK && number == 1)
-            rules->linear = BAT_MESH_LINEAR_CORNERS_PLUS2;
+        else if (status == BAT_OK && (linear || number == 1))
+            rules->linear = linear ? LINEAR_TAGS[number] : BAT_MESH_LINEAR_CORNERS_PLUS2;
         return status;
     }
     if (scan_word(scan, "creasemethod"))
@@ -458,24 +451,22 @@ static bat_status read_tag(obj_reader *reader, bat_error *error)
 {
     uint64_t counts[3];
     bool crease = scan_word(&reader->scan, "crease"), known = true;
+    uint64_t step = crease ? 2 : 1;
     bat_status status = BAT_OK;
     if (!crease && !scan_word(&reader->scan, "corner"))
     {
         status = read_rule(reader, &known, error);
         if (status == BAT_OK && !known)
             status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "is a tag of subdivision that is not supported", error);
-        if (status == BAT_OK && !scan_line_done(&reader->scan))
-            status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "exceeds the counts of the tag", error);
-        return status;
     }
-    uint64_t step = crease ? 2 : 1;
-    if (!read_counts(&reader->scan, counts) || counts[0] == 0 || counts[0] % step != 0 ||
-        (counts[1] != 1 && counts[1] != counts[0] / step) || counts[2] != 0)
+    else if (!read_counts(&reader->scan, counts) || counts[0] == 0 || counts[0] % step != 0 ||
+             (counts[1] != 1 && counts[1] != counts[0] / step) || counts[2] != 0)
         return fault(reader, BAT_NO_INDEX,
                      crease ? "a crease is 'crease 2/1/0', two vertices and a sharpness"
                             : "a corner is 'corner 1/1/0', a vertex and a sharpness",
                      error);
-    status = read_marks(reader, crease, counts, error);
+    else
+        status = read_marks(reader, crease, counts, error);
     if (status == BAT_OK && !scan_line_done(&reader->scan))
         status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "exceeds the counts of the tag", error);
     return status;
@@ -702,9 +693,7 @@ bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     text_buffer files = {0};
     bat_status status = obj_labels_check(mesh, error);
     obj_labels_write_files(mesh, &files);
-    if (status == BAT_OK)
-        status = sink_write(sink, &files, error);
-    text_free(&files);
+    status = sink_take(sink, &files, status, error);
     const struct
     {
         size_t count;

@@ -98,9 +98,7 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     if (mesh->face_labels != NULL)
         text_append_string(&text, "property uint " PLY_LABEL "\n");
     text_append_string(&text, "end_header\n");
-    bat_status status = sink_write(sink, &text, error);
-    text_free(&text);
-    return status;
+    return sink_take(sink, &text, BAT_OK, error);
 }
 
 static char *put_double(char *out, double value, const ply_plan *plan)

@@ -252,13 +252,8 @@ static bat_status write_binary(const bat_mesh *mesh, const bat_mesh_write_option
     char header[HEADER_SIZE + 4] = "binary STL";
     (void)bytes_put(header + HEADER_SIZE, mesh->face_count, COUNT_SIZE, false);
     text_buffer text = {0};
-    bat_status status = check_range(mesh, error);
-    if (status == BAT_OK)
-    {
-        text_append(&text, header, sizeof header);
-        status = sink_write(sink, &text, error);
-    }
-    text_free(&text);
+    text_append(&text, header, sizeof header);
+    bat_status status = sink_take(sink, &text, check_range(mesh, error), error);
     if (status == BAT_OK)
         status = text_lines_write(sink, mesh->face_count, options->threads, format_binary, mesh, error);
     return status;

@@ -67,6 +67,12 @@ static void add_whole(iges_file *file, size_t value, char delimiter)
     add_text(file, text, delimiter);
 }
 
+static void add_wholes(iges_file *file, const size_t *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        add_whole(file, values[i], ',');
+}
+
 /// Real numbers need a decimal point, those of double precision the letter D.
 static void add_real(iges_file *file, double value, char delimiter)
 {
@@ -153,12 +159,7 @@ static unsigned write_curve(iges_file *file, const bat_spline_curve *curve)
     const double *last = curve->control + dimension * (functions - 1);
     bool closed = memcmp(last, curve->control, dimension * sizeof *last) == 0, planar = dimension == 2;
     unsigned number = begin_entity(file, CURVE);
-    add_whole(file, functions - 1, ',');
-    add_whole(file, (size_t)curve->knots.degree, ',');
-    add_whole(file, planar, ',');
-    add_whole(file, closed, ',');
-    add_whole(file, 1, ',');
-    add_whole(file, 0, ',');
+    add_wholes(file, (const size_t[]){functions - 1, (size_t)curve->knots.degree, planar, closed, 1, 0}, 6);
     add_knots(file, &curve->knots);
     for (size_t i = 0; i < functions; i++)
         add_real(file, 1, ',');
@@ -208,10 +209,7 @@ static unsigned write_loop(iges_file *file, const trimmed_model *model, size_t l
     if (flat == 0 || space == 0)
         return 0;
     unsigned number = begin_entity(file, CURVE_ON_SURFACE);
-    add_whole(file, PROJECTION, ',');
-    add_whole(file, surface, ',');
-    add_whole(file, flat, ',');
-    add_whole(file, space, ',');
+    add_wholes(file, (const size_t[]){PROJECTION, surface, flat, space}, 4);
     add_whole(file, EQUAL, ';');
     end_entity(file, CURVE_ON_SURFACE, DEPENDENT);
     return number;
@@ -233,9 +231,7 @@ static bat_status write_trimmed(iges_file *file, const trimmed_model *model, uns
     if (complete)
     {
         (void)begin_entity(file, TRIMMED);
-        add_whole(file, surface, ',');
-        add_whole(file, 1, ',');
-        add_whole(file, count - 1, ',');
+        add_wholes(file, (const size_t[]){surface, 1, count - 1}, 3);
         for (size_t l = 0; l < count; l++)
             add_whole(file, loops[l], l + 1 < count ? ',' : ';');
         end_entity(file, TRIMMED, INDEPENDENT);
@@ -279,15 +275,9 @@ bat_status surface_iges_write(const bat_spline_surface *surface, const bat_surfa
         status = write_trimmed(&file, &model, number, error);
     (void)snprintf(content, sizeof content, "S%7uG%7uD%7uP%7u", 1, global, file.entries, file.records);
     append_record(&file.parameters, content, 'T', 1);
-    if (status == BAT_OK)
-        status = sink_write(sink, &head, error);
-    if (status == BAT_OK)
-        status = sink_write(sink, &file.directory, error);
-    if (status == BAT_OK)
-        status = sink_write(sink, &file.parameters, error);
-    text_free(&head);
-    text_free(&file.directory);
-    text_free(&file.parameters);
+    status = sink_take(sink, &head, status, error);
+    status = sink_take(sink, &file.directory, status, error);
+    status = sink_take(sink, &file.parameters, status, error);
     trimmed_model_free(&model);
     return status;
 }

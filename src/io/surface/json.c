@@ -380,14 +380,15 @@ static void append_functions(text_buffer *text, const bat_hierarchical_space *sp
     text_append_string(text, "],\n");
 }
 
-static void append_numbers(text_buffer *text, const double *numbers, size_t count)
+/// Append an array of numbers, with what ends it.
+static void append_numbers(text_buffer *text, const double *numbers, size_t count, const char *end)
 {
     for (size_t i = 0; i < count; i++)
     {
         text_append_string(text, i > 0 ? ", " : "[");
         append_number(text, numbers[i]);
     }
-    text_append_string(text, "]");
+    text_append_string(text, end);
 }
 
 static void append_trim(text_buffer *text, const bat_spline_trim *trim)
@@ -403,13 +404,9 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
             const bat_spline_curve *piece = &trim->pieces[i];
             size_t functions = knot_vector_functions(&piece->knots);
             text_append_format(text, "{\"degree\": %d, \"knots\": ", piece->knots.degree);
-            append_numbers(text, piece->knots.knots, piece->knots.count);
-            text_append_string(text, ", \"control\": [");
+            append_numbers(text, piece->knots.knots, piece->knots.count, "], \"control\": [");
             for (size_t k = 0; k < functions; k++)
-            {
-                text_append_string(text, k > 0 ? ", " : "");
-                append_numbers(text, piece->control + 2 * k, 2);
-            }
+                append_numbers(text, piece->control + 2 * k, 2, k + 1 < functions ? "], " : "]");
             text_append_string(text, i + 1 < trim->loops[l + 1] ? "]},\n" : "]}");
         }
         text_append_string(text, row_end(l, trim->loop_count));
@@ -420,19 +417,9 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
 static void append_control(text_buffer *text, const bat_spline_surface *surface)
 {
     size_t count = bat_hierarchical_space_functions(surface->space);
-    const double *number = surface->control;
     text_append_string(text, "\"control\": [\n");
     for (size_t i = 0; i < count; i++)
-    {
-        text_append_string(text, "[");
-        for (size_t c = 0; c < surface->dimension; c++)
-        {
-            if (c > 0)
-                text_append_string(text, ", ");
-            append_number(text, *number++);
-        }
-        text_append_string(text, row_end(i, count));
-    }
+        append_numbers(text, surface->control + i * surface->dimension, surface->dimension, row_end(i, count));
     text_append_string(text, "]\n}\n");
 }
 
@@ -445,8 +432,5 @@ bat_status surface_json_write(const bat_spline_surface *surface, const bat_surfa
     append_functions(&text, surface->space);
     append_trim(&text, &surface->trim);
     append_control(&text, surface);
-    if (status == BAT_OK)
-        status = sink_write(sink, &text, error);
-    text_free(&text);
-    return status;
+    return sink_take(sink, &text, status, error);
 }

@@ -547,8 +547,5 @@ bat_status surface_xml_write(const bat_spline_surface *surface, const bat_surfac
     append_control(&text, surface);
     append_trim(&text, &surface->trim);
     text_append_string(&text, "</xml>\n");
-    if (status == BAT_OK)
-        status = sink_write(sink, &text, error);
-    text_free(&text);
-    return status;
+    return sink_take(sink, &text, status, error);
 }
