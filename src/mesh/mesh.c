@@ -4,6 +4,7 @@
 #include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/labels.h"
+#include "mesh/measure/closest.h"
 #include "mesh/sides.h"
 
 #include <math.h>
@@ -321,17 +322,6 @@ const bat_family bat_mesh_normals_family = FAMILY("kind of normals", NORMALS);
 
 // Vertex normals: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets" (1998).
 
-/// A power of two by which no product of coordinates overflows.
-static double scale_of(const bat_mesh *mesh)
-{
-    double largest = 0;
-    int exponent;
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-        largest = fmax(largest, fabs(mesh->positions[i]));
-    (void)frexp(largest, &exponent);
-    return largest > 0 ? ldexp(1.0, exponent < -1000 ? 1000 : -exponent) : 1.0;
-}
-
 /// Add the normal of a face to its three vertices.
 static void add_face(const bat_mesh *mesh, size_t face, double scale, bat_mesh_normals weights, double *normals)
 {
@@ -361,7 +351,8 @@ bat_status bat_mesh_vertex_normals(const bat_mesh *mesh, bat_mesh_normals weight
     bat_status status = mesh_check_triangles(mesh, error);
     if (status != BAT_OK)
         return status;
-    double scale = scale_of(mesh);
+    // A power of two, by which no product of coordinates overflows.
+    double scale = closest_scale(closest_largest(mesh->positions, 3 * mesh->vertex_count, 0));
     memset(normals, 0, 3 * mesh->vertex_count * sizeof *normals);
     for (size_t f = 0; f < mesh->face_count; f++)
         add_face(mesh, f, scale, weights, normals);

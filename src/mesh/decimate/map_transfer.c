@@ -380,15 +380,10 @@ static bat_status midpoint_mesh_make(const bat_mesh *coarse, size_t levels, midp
         status = bat_mesh_connect(coarse, &mesh.own.links, error);
     for (size_t level = 0; level < levels && status == BAT_OK; level++)
     {
-        split_mesh next;
-        status = split_mesh_make(mesh.faces, &mesh.own.links, 1, &next, error);
-        if (status != BAT_OK)
-            break;
-        split_mesh_free(&mesh.own);
-        mesh.own = next;
-        mesh.faces = next.faces;
-        mesh.face_count = next.links.face_count;
-        mesh.vertex_count = next.links.vertex_count;
+        status = split_mesh_make(mesh.faces, &mesh.own.links, 1, &mesh.own, error);
+        mesh.faces = mesh.own.faces;
+        mesh.face_count = mesh.own.links.face_count;
+        mesh.vertex_count = mesh.own.links.vertex_count;
     }
     if (status == BAT_OK)
         status = set_points(&mesh, error);

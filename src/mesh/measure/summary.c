@@ -29,13 +29,6 @@ typedef struct edge_groups
     size_t count;
 } edge_groups;
 
-static void edge_groups_free(edge_groups *groups)
-{
-    free(groups->order);
-    free(groups->begin);
-    *groups = (edge_groups){0};
-}
-
 static size_t lesser_end(const void *context, uint32_t half_edge)
 {
     const uint32_t *faces = context;
@@ -65,24 +58,13 @@ static void mark_edges(const bat_mesh *mesh, edge_groups *groups)
     groups->count = edges;
 }
 
-static bat_status edge_groups_make(const bat_mesh *mesh, edge_groups *groups, bat_error *error)
+/// @param starts workspace: one number more than there are vertices
+static void edge_groups_fill(const bat_mesh *mesh, size_t *starts, edge_groups *groups)
 {
     size_t half_edges = 3 * mesh->face_count;
-    edge_groups made = {.order = memory_array(half_edges, sizeof *made.order),
-                        .begin = memory_array(half_edges + 1, sizeof *made.begin)};
-    size_t *starts = memory_array(mesh->vertex_count + 1, sizeof *starts);
-    if (made.order == NULL || made.begin == NULL || starts == NULL)
-    {
-        free(starts);
-        edge_groups_free(&made);
-        return error_memory(error, half_edges * sizeof *made.order);
-    }
-    counting_sort(NULL, half_edges, greater_end, mesh->faces, mesh->vertex_count, starts, made.begin);
-    counting_sort(made.begin, half_edges, lesser_end, mesh->faces, mesh->vertex_count, starts, made.order);
-    mark_edges(mesh, &made);
-    free(starts);
-    *groups = made;
-    return BAT_OK;
+    counting_sort(NULL, half_edges, greater_end, mesh->faces, mesh->vertex_count, starts, groups->begin);
+    counting_sort(groups->begin, half_edges, lesser_end, mesh->faces, mesh->vertex_count, starts, groups->order);
+    mark_edges(mesh, groups);
 }
 
 /// The connectivity of a mesh.
@@ -94,7 +76,7 @@ typedef struct topology
     uint32_t *fans;        ///< sets of corners, numbered as half-edges, joined around their vertex
     uint32_t *loops;       ///< sets of corners that are also joined along the boundary
     uint32_t *valence;
-    memory_pool pool; ///< of all arrays but the edges'
+    memory_pool pool; ///< of all arrays
 } topology;
 
 static bat_status topology_make(const bat_mesh *mesh, topology *made, bat_error *error)
@@ -105,18 +87,16 @@ static bat_status topology_make(const bat_mesh *mesh, topology *made, bat_error 
     made->fans = memory_pool_array(&made->pool, corners, sizeof *made->fans);
     made->loops = memory_pool_array(&made->pool, corners, sizeof *made->loops);
     made->valence = memory_pool_zeros(&made->pool, vertices, sizeof *made->valence);
+    made->edges.order = memory_pool_array(&made->pool, corners, sizeof *made->edges.order);
+    made->edges.begin = memory_pool_array(&made->pool, corners + 1, sizeof *made->edges.begin);
+    size_t *starts = memory_pool_array(&made->pool, vertices + 1, sizeof *starts);
     bat_status status = memory_pool_check(&made->pool, error);
     if (status != BAT_OK)
         return status;
     sets_begin(made->vertex_sets, vertices);
     sets_begin(made->fans, corners);
-    return edge_groups_make(mesh, &made->edges, error);
-}
-
-static void topology_free(topology *made)
-{
-    memory_pool_free(&made->pool);
-    edge_groups_free(&made->edges);
+    edge_groups_fill(mesh, starts, &made->edges);
+    return BAT_OK;
 }
 
 /// Join the corners of two faces at both ends of their common edge.
@@ -485,6 +465,6 @@ bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, b
         sum_up_geometry(mesh, &made.edges, &sum);
         *summary = sum;
     }
-    topology_free(&made);
+    memory_pool_free(&made.pool);
     return status;
 }

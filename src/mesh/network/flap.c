@@ -60,32 +60,21 @@ static void find_pairs(mesh_flaps *flaps)
     }
 }
 
-static void mesh_flaps_free(mesh_flaps *flaps)
-{
-    free(flaps->flap);
-    free(flaps->first);
-    free(flaps->of_edge);
-    *flaps = (mesh_flaps){0};
-}
-
-/// Find the half-flaps of a mesh.
-/// @param flaps release it with mesh_flaps_free()
+/// Find the half-flaps of a mesh, in arrays of the pool.
 /// @return BAT_OK or BAT_NO_MEMORY; `flaps` is untouched on failure
-static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, mesh_flaps *flaps,
-                                  bat_error *error)
+static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, memory_pool *pool,
+                                  mesh_flaps *flaps, bat_error *error)
 {
     size_t vertices = connectivity->vertex_count, edges = connectivity->edge_count, count = 2 * edges;
     mesh_flaps made = {.vertex_count = vertices,
                        .edge_count = edges,
                        .count = count,
-                       .flap = memory_array(count, sizeof *made.flap),
-                       .first = memory_array(vertices + 1, sizeof *made.first),
-                       .of_edge = memory_array(edges, sizeof *made.of_edge)};
-    if (made.flap == NULL || made.first == NULL || made.of_edge == NULL)
-    {
-        mesh_flaps_free(&made);
-        return error_memory(error, count * sizeof *made.flap);
-    }
+                       .flap = memory_pool_array(pool, count, sizeof *made.flap),
+                       .first = memory_pool_array(pool, vertices + 1, sizeof *made.first),
+                       .of_edge = memory_pool_array(pool, edges, sizeof *made.of_edge)};
+    bat_status status = memory_pool_check(pool, error);
+    if (status != BAT_OK)
+        return status;
     made.first[0] = 0;
     for (size_t v = 0; v < vertices; v++)
         made.first[v + 1] = made.first[v] + flaps_around(faces, connectivity, v, made.flap + made.first[v]);
@@ -100,22 +89,19 @@ static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connecti
 bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t count, int threads,
                             mesh_levels *levels, bat_error *error)
 {
-    mesh_levels made = {.count = count, .level = calloc(count, sizeof *made.level)};
-    if (made.level == NULL)
-        return error_memory(error, count * sizeof *made.level);
+    mesh_levels made = {.count = count};
+    made.level = memory_pool_array(&made.pool, count, sizeof *made.level);
     split_mesh now = {0};
-    bat_status status = mesh_flaps_make(faces, connectivity, &made.level[0], error);
+    bat_status status = memory_pool_check(&made.pool, error);
+    if (status == BAT_OK)
+        status = mesh_flaps_make(faces, connectivity, &made.pool, &made.level[0], error);
     for (size_t i = 1; i < count && status == BAT_OK; i++)
     {
-        split_mesh next;
-        status = split_mesh_make(faces, connectivity, threads, &next, error);
-        if (status != BAT_OK)
-            break;
-        split_mesh_free(&now);
-        now = next;
+        status = split_mesh_make(faces, connectivity, threads, &now, error);
         faces = now.faces;
         connectivity = &now.links;
-        status = mesh_flaps_make(faces, connectivity, &made.level[i], error);
+        if (status == BAT_OK)
+            status = mesh_flaps_make(faces, connectivity, &made.pool, &made.level[i], error);
     }
     split_mesh_free(&now);
     if (status != BAT_OK)
@@ -130,8 +116,6 @@ bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *
 
 void mesh_levels_free(mesh_levels *levels)
 {
-    for (size_t i = 0; i < levels->count && levels->level != NULL; i++)
-        mesh_flaps_free(&levels->level[i]);
-    free(levels->level);
+    memory_pool_free(&levels->pool);
     *levels = (mesh_levels){0};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/memory.h"
 #include "batten/mesh.h"
 
 /// @file
@@ -40,6 +41,7 @@ typedef struct mesh_levels
     size_t count;        ///< the number of refinement levels
     mesh_flaps *level;   ///< count: the half-flaps of the mesh that each level refines
     size_t vertex_count; ///< the number of vertices after the last level
+    memory_pool pool;    ///< of all arrays
 } mesh_levels;
 
 /// Find the half-flaps of all levels.

@@ -54,7 +54,7 @@ static bat_status sharp_advance(sharp_level *level, int threads, bat_error *erro
     if (!level->sharp)
         return BAT_OK;
     const mesh_level now = level_of(level);
-    split_mesh next;
+    split_mesh next = {0};
     double *edge = NULL;
     bat_status status = split_mesh_make(level->faces, level->links, threads, &next, error);
     if (status == BAT_OK && level->edge != NULL)

@@ -172,6 +172,7 @@ typedef struct split_mesh
 } split_mesh;
 
 /// Both of a split; release it with split_mesh_free().
+/// @param fine all zero, or a split that this one replaces, such as that of these faces
 /// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY; `fine` is untouched on failure
 bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, split_mesh *fine,
                            bat_error *error);

@@ -169,6 +169,7 @@ bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *l
         return status;
     }
     split_faces(faces, links, threads, made.faces);
+    split_mesh_free(fine);
     *fine = made;
     return BAT_OK;
 }
