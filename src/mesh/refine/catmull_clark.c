@@ -127,23 +127,14 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
         last = h;
         h = links->twin[previous];
     } while (h != BAT_MESH_NONE && h != first);
-    vertex_mask mask = {.own = 3.0 / 4, .pair = 1.0 / 8};
     uint32_t ends[2] = {vertex, vertex};
-    if (sharp)
-    {
-        mask = mask_around(level, vertex, valence, catmull_clark_smooth_mask);
-        ends[0] = level->faces[mask.corners[0]];
-        ends[1] = level->faces[mask.corners[1]];
-    }
-    else if (h == BAT_MESH_NONE)
+    if (!sharp && h == BAT_MESH_NONE)
     {
         uint32_t before = sides_previous(sides, last);
         ends[0] = in_parent ? middle_of(links, first) : level->faces[sides_next(sides, first)];
         ends[1] = in_parent ? middle_of(links, before) : level->faces[before];
     }
-    else
-        mask = catmull_clark_smooth_mask(valence);
-    mask_row(rows, vertex, &mask, ends, dim);
+    mask_vertex(rows, vertex, sharp, h == BAT_MESH_NONE, valence, catmull_clark_smooth_mask, ends, dim);
 }
 
 /// The vertices of the level or, where it has a parent, those that the parent has as well.
@@ -235,16 +226,8 @@ static inline void halves_rows(const mesh_rows *rows, const edge_place *at, size
                  *d = centres + at->twin_face * dim;
     const double *middles = rows->to + faces_begin(level->links) * dim, *p = middles + at->half_edge * dim,
                  *q = middles + at->next * dim, *r = middles + at->twin * dim, *s = middles + at->twin_next * dim;
-    if (level->edge_sharpness != NULL)
-    {
-        blend_row((four_rows){a, own, p, s}, (1 - edge_weight(level, near)) / 4, first, dim);
-        blend_row((four_rows){own, b, q, r}, (1 - edge_weight(level, far)) / 4, second, dim);
-    }
-    else
-    {
-        blend_row((four_rows){a, own, p, s}, 1.0 / 4, first, dim);
-        blend_row((four_rows){own, b, q, r}, 1.0 / 4, second, dim);
-    }
+    blend_row((four_rows){a, own, p, s}, (1 - edge_weight(level, near)) / 4, first, dim);
+    blend_row((four_rows){own, b, q, r}, (1 - edge_weight(level, far)) / 4, second, dim);
     for (size_t i = 0; i < dim; i++)
         to[i] = 0.5 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + ((p[i] + q[i]) + (r[i] + s[i])));
 }

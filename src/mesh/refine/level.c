@@ -39,9 +39,7 @@ static void middle_range(const void *context, size_t begin, size_t end)
         if (!mesh_owns(links->twin, h))
             continue;
         const double *a = rows->from + level->faces[h] * dim, *b = rows->from + level->faces[sides_next(sides, h)] * dim;
-        double *to = rows->to + (links->vertex_count + links->edge[h]) * dim;
-        for (size_t i = 0; i < dim; i++)
-            to[i] = 0.5 * (a[i] + b[i]);
+        middle_row(a, b, rows->to + (links->vertex_count + links->edge[h]) * dim, dim);
     }
 }
 

@@ -70,22 +70,13 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
         last = h;
         h = bat_mesh_next_around(links, h);
     } while (h != BAT_MESH_NONE && h != first);
-    vertex_mask mask = {.own = 3.0 / 4, .pair = 1.0 / 8};
     uint32_t ends[2] = {vertex, vertex};
-    if (sharp)
-    {
-        mask = mask_around(level, vertex, valence, loop_smooth_mask);
-        ends[0] = level->faces[mask.corners[0]];
-        ends[1] = level->faces[mask.corners[1]];
-    }
-    else if (h == BAT_MESH_NONE)
+    if (!sharp && h == BAT_MESH_NONE)
     {
         ends[0] = neighbour_at(level, first, in_parent);
         ends[1] = last_neighbour(level, last, in_parent);
     }
-    else
-        mask = loop_smooth_mask(valence);
-    mask_row(rows, vertex, &mask, ends, dim);
+    mask_vertex(rows, vertex, sharp, h == BAT_MESH_NONE, valence, loop_smooth_mask, ends, dim);
 }
 
 /// Compute the vertex on the parent's edge of a half-edge and the new vertices on both halves. The first one is regular: its
@@ -110,16 +101,8 @@ static inline void halves_rows(const mesh_rows *rows, uint32_t half_edge, size_t
                  *d = rows->from + (new_vertex + edge[bat_mesh_previous(half_edge)]) * dim,
                  *e = rows->from + (new_vertex + edge[bat_mesh_next(twin)]) * dim,
                  *f = rows->from + (new_vertex + edge[bat_mesh_previous(twin)]) * dim;
-    if (level->edge_sharpness != NULL)
-    {
-        blend_row((four_rows){a, own, d, e}, (1 - edge_weight(level, near)) / 8, first, dim);
-        blend_row((four_rows){own, b, c, f}, (1 - edge_weight(level, far)) / 8, second, dim);
-    }
-    else
-    {
-        blend_row((four_rows){a, own, d, e}, 1.0 / 8, first, dim);
-        blend_row((four_rows){own, b, c, f}, 1.0 / 8, second, dim);
-    }
+    blend_row((four_rows){a, own, d, e}, (1 - edge_weight(level, near)) / 8, first, dim);
+    blend_row((four_rows){own, b, c, f}, (1 - edge_weight(level, far)) / 8, second, dim);
     for (size_t i = 0; i < dim; i++)
         to[i] = 5.0 / 8 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + (e[i] + f[i]));
 }

@@ -84,22 +84,24 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
     return BAT_OK;
 }
 
+bat_mesh_rules mesh_rules_or(bat_mesh_rules rules, bat_mesh_rules others)
+{
+    if (rules.boundary == BAT_MESH_BOUNDARY_AUTO)
+        rules.boundary = others.boundary;
+    if (rules.creasing == BAT_MESH_CREASING_AUTO)
+        rules.creasing = others.creasing;
+    if (rules.linear == BAT_MESH_LINEAR_AUTO)
+        rules.linear = others.linear;
+    return rules;
+}
+
 /// The rules of the options, else of the mesh, else the defaults.
 static bat_mesh_rules rules_of(const bat_mesh *coarse, const bat_mesh_refine_options *options)
 {
-    bat_mesh_rules rules = options->rules;
-    if (rules.boundary == BAT_MESH_BOUNDARY_AUTO)
-        rules.boundary = coarse->rules.boundary;
-    if (rules.creasing == BAT_MESH_CREASING_AUTO)
-        rules.creasing = coarse->rules.creasing;
-    if (rules.linear == BAT_MESH_LINEAR_AUTO)
-        rules.linear = coarse->rules.linear;
-    if (rules.boundary == BAT_MESH_BOUNDARY_AUTO || !last_scheme(options)->creases)
+    static const bat_mesh_rules DEFAULTS = {BAT_MESH_BOUNDARY_EDGES, BAT_MESH_CREASING_UNIFORM, BAT_MESH_LINEAR_ALL};
+    bat_mesh_rules rules = mesh_rules_or(mesh_rules_or(options->rules, coarse->rules), DEFAULTS);
+    if (!last_scheme(options)->creases)
         rules.boundary = BAT_MESH_BOUNDARY_EDGES;
-    if (rules.creasing == BAT_MESH_CREASING_AUTO)
-        rules.creasing = BAT_MESH_CREASING_UNIFORM;
-    if (rules.linear == BAT_MESH_LINEAR_AUTO)
-        rules.linear = BAT_MESH_LINEAR_ALL;
     return rules;
 }
 

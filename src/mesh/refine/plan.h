@@ -21,6 +21,9 @@ typedef struct mesh_plan
 /// @return BAT_OK, BAT_UNSUPPORTED
 bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error);
 
+/// Some rules, and others where they are AUTO.
+bat_mesh_rules mesh_rules_or(bat_mesh_rules rules, bat_mesh_rules others);
+
 /// Check that 32-bit indices can number the finest mesh, and memory holds it. All zero `texture_links`: no texture.
 /// @return BAT_OK or BAT_TOO_LARGE
 bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const mesh_sides *sides,

@@ -210,6 +210,17 @@ static void refined_level_free(refined_level *held)
     sharp_list_free(&held->sharp);
 }
 
+static void refinement_free(refinement *work)
+{
+    brake_free(&work->brake);
+    free(work->normals);
+    refined_level_free(&work->now);
+    refined_level_free(&work->before);
+    free(work->vertex_sharpness);
+    free(work->irregular);
+    free(work->dependent);
+}
+
 static mesh_level level_of(const refinement *work)
 {
     return (mesh_level){.faces = work->now.mesh.faces,
@@ -457,13 +468,7 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
 /// What a refined mesh says about its further refinement: what was asked of it. Faces at a boundary are left out once.
 static bat_mesh_rules fine_rules(const bat_mesh *coarse, const mesh_plan *plan)
 {
-    bat_mesh_rules rules = coarse->rules;
-    if (plan->options.rules.boundary != BAT_MESH_BOUNDARY_AUTO)
-        rules.boundary = plan->options.rules.boundary;
-    if (plan->options.rules.creasing != BAT_MESH_CREASING_AUTO)
-        rules.creasing = plan->options.rules.creasing;
-    if (plan->options.rules.linear != BAT_MESH_LINEAR_AUTO)
-        rules.linear = plan->options.rules.linear;
+    bat_mesh_rules rules = mesh_rules_or(plan->options.rules, coarse->rules);
     if (plan->rules.boundary == BAT_MESH_BOUNDARY_NONE)
         rules.boundary = BAT_MESH_BOUNDARY_AUTO;
     return rules;
@@ -627,13 +632,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
         work.now.mesh = (bat_mesh){0};
         give_normals(&work);
     }
-    brake_free(&work.brake);
-    free(work.normals);
-    refined_level_free(&work.now);
-    refined_level_free(&work.before);
-    free(work.vertex_sharpness);
-    free(work.irregular);
-    free(work.dependent);
+    refinement_free(&work);
     return status;
 }
 
@@ -655,12 +654,7 @@ static bat_status refine_copy(const bat_mesh *coarse, const mesh_sides *sides, c
     }
     else
         bat_mesh_free(&work.now.mesh);
-    free(work.normals);
-    bat_mesh_connectivity_free(&work.now.texture_links);
-    free(work.now.edge_sharpness);
-    free(work.vertex_sharpness);
-    free(work.irregular);
-    free(work.dependent);
+    refinement_free(&work);
     return status;
 }
 

@@ -114,6 +114,23 @@ typedef vertex_mask smooth_mask(unsigned valence);
 /// The mask of a vertex that has a face, by its sharp edges.
 vertex_mask mask_around(const mesh_level *level, uint32_t vertex, unsigned valence, smooth_mask *smooth);
 
+/// Apply the mask of a vertex, with `sharp` that by its sharp edges, to the sum of the neighbours in its row.
+/// @param ends its neighbours along the boundary, or itself twice inside the mesh
+static inline void mask_vertex(const mesh_rows *rows, uint32_t vertex, bool sharp, bool boundary, unsigned valence,
+                               smooth_mask *smooth, uint32_t ends[2], size_t dim)
+{
+    vertex_mask mask = {.own = 3.0 / 4, .pair = 1.0 / 8};
+    if (sharp)
+    {
+        mask = mask_around(rows->level, vertex, valence, smooth);
+        ends[0] = rows->level->faces[mask.corners[0]];
+        ends[1] = rows->level->faces[mask.corners[1]];
+    }
+    else if (!boundary)
+        mask = smooth(valence);
+    mask_row(rows, vertex, &mask, ends, dim);
+}
+
 /// Call a function for all vertices that are sharp or have a sharp edge, some repeatedly without mesh_level::sharp.
 void sharpness_visit(const mesh_level *level, void (*visit)(const void *context, uint32_t vertex), const void *context);
 

@@ -13,6 +13,7 @@ typedef struct split_job
     const bat_mesh_connectivity *links;
     uint32_t *fine_faces;
     bat_mesh_connectivity *fine;
+    bool polygons; ///< whether faces become quads
 } split_job;
 
 static void triangles_range(const void *context, size_t begin, size_t end)
@@ -51,12 +52,22 @@ static uint32_t owned_before_face(const split_job *job, size_t face)
     return (uint32_t)links->edge_count;
 }
 
+/// The first half-edges of the vertices that stay.
+static void first_range(const void *context, size_t begin, size_t end)
+{
+    const split_job *job = context;
+    for (size_t v = begin; v < end; v++)
+    {
+        uint32_t first = job->links->first[v], near = job->polygons ? 4 * first : split_near(first);
+        job->fine->first[v] = first == BAT_MESH_NONE ? first : near;
+    }
+}
+
 /// Make the connectivity of the next level.
 /// @param made  its counts
 /// @param range makes the children of some faces
-/// @param first the same of some vertices
 static bat_status make_links(const split_job *job, size_t half_edges, bat_mesh_connectivity made, mesh_range *range,
-                             mesh_range *first, int threads, bat_mesh_connectivity *fine, bat_error *error)
+                             int threads, bat_mesh_connectivity *fine, bat_error *error)
 {
     const bat_mesh_connectivity *links = job->links;
     split_job whole = *job;
@@ -72,7 +83,7 @@ static bat_status make_links(const split_job *job, size_t half_edges, bat_mesh_c
     }
     mesh_share(range, &whole, links->face_count, threads);
     if (links->first != NULL)
-        mesh_share(first, &whole, links->vertex_count, threads);
+        mesh_share(first_range, &whole, links->vertex_count, threads);
     *fine = made;
     return BAT_OK;
 }
@@ -127,23 +138,13 @@ static void triangle_links_range(const void *context, size_t begin, size_t end)
         triangle_links(job, f, &owned);
 }
 
-static void triangle_first_range(const void *context, size_t begin, size_t end)
-{
-    const split_job *job = context;
-    for (size_t v = begin; v < end; v++)
-    {
-        uint32_t first = job->links->first[v];
-        job->fine->first[v] = first == BAT_MESH_NONE ? first : split_near(first);
-    }
-}
-
 bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine, bat_error *error)
 {
     const split_job job = {.links = links};
     const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count,
                                         .face_count = 4 * links->face_count,
                                         .edge_count = 2 * links->edge_count + 3 * links->face_count};
-    return make_links(&job, 12 * links->face_count, made, triangle_links_range, triangle_first_range, threads, fine, error);
+    return make_links(&job, 12 * links->face_count, made, triangle_links_range, threads, fine, error);
 }
 
 void split_mesh_free(split_mesh *mesh)
@@ -296,23 +297,13 @@ static void links_range(const void *context, size_t begin, size_t end)
             face_links(job, f, &owned, false);
 }
 
-static void first_range(const void *context, size_t begin, size_t end)
-{
-    const split_job *job = context;
-    for (size_t v = begin; v < end; v++)
-    {
-        uint32_t first = job->links->first[v];
-        job->fine->first[v] = first == BAT_MESH_NONE ? first : 4 * first;
-    }
-}
-
 bat_status quads_links(const mesh_sides *sides, const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine,
                        bat_error *error)
 {
-    const split_job job = {.sides = *sides, .links = links};
+    const split_job job = {.sides = *sides, .links = links, .polygons = true};
     size_t corners = sides_corners(sides, links->face_count);
     const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count + links->face_count,
                                         .face_count = corners,
                                         .edge_count = 2 * links->edge_count + corners};
-    return make_links(&job, 4 * corners, made, links_range, first_range, threads, fine, error);
+    return make_links(&job, 4 * corners, made, links_range, threads, fine, error);
 }
