@@ -641,8 +641,9 @@ static void test_queue(void **state)
         EDGES = 200
     };
     edge_queue queue;
+    memory_pool pool = {0};
     double errors[EDGES];
-    assert_int_equal(edge_queue_make(EDGES, 0, 1, &queue, NULL), BAT_OK);
+    assert_int_equal(edge_queue_make(EDGES, 0, 1, &pool, &queue, NULL), BAT_OK);
     for (int i = 0; i < EDGES; i++)
         errors[i] = INFINITY;
     bat_random random = bat_random_seed(1);
@@ -668,7 +669,7 @@ static void test_queue(void **state)
                 errors[least] = INFINITY;
         }
     }
-    edge_queue_free(&queue);
+    memory_pool_free(&pool);
 }
 
 /// Three planes meet in the point of minimal error; the error is the sum of squared distances, about any centre.

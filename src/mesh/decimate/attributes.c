@@ -27,20 +27,6 @@ typedef struct owner_pairs
     int count;
 } owner_pairs;
 
-void attributes_free(attributes *all)
-{
-    attribute_field *fields[] = {&all->texture, &all->channels};
-    for (int f = 0; f < 2; f++)
-    {
-        free(fields[f]->owner);
-        free(fields[f]->values);
-        free(fields[f]->sums);
-        free(fields[f]->scales);
-    }
-    free(all->errors);
-    *all = (attributes){0};
-}
-
 static double *sums_of(const attribute_field *field, uint32_t owner)
 {
     return field->sums + (1 + 4 * field->width) * (size_t)owner;
@@ -66,24 +52,19 @@ static double power_of_two(double number)
     return ldexp(1, fraction < 0.70710678118654752 ? exponent - 1 : exponent);
 }
 
-static bat_status allocate(attribute_field *field, size_t owners, size_t width, bat_error *error)
+static bat_status allocate(attribute_field *field, size_t owners, size_t width, memory_pool *pool, bat_error *error)
 {
     field->width = width;
     field->owner_count = owners;
-    field->values = memory_array(owners, width * sizeof *field->values);
-    field->sums = calloc(owners + 1, (1 + 4 * width) * sizeof *field->sums);
-    field->scales = memory_array(width, sizeof *field->scales);
-    if (field->values == NULL || field->sums == NULL || field->scales == NULL)
-        return error_memory(error, owners * (1 + 5 * width) * sizeof *field->sums);
-    return BAT_OK;
+    field->values = memory_pool_array(pool, owners, width * sizeof *field->values);
+    field->sums = memory_pool_zeros(pool, owners + 1, (1 + 4 * width) * sizeof *field->sums);
+    field->scales = memory_pool_array(pool, width, sizeof *field->scales);
+    return memory_pool_check(pool, error);
 }
 
 /// Number the sectors of each vertex between edges where its texture coordinate changes.
-static bat_status find_sectors(const bat_mesh *mesh, const collapse_mesh *topology, attribute_field *field, bat_error *error)
+static void find_sectors(const bat_mesh *mesh, const collapse_mesh *topology, attribute_field *field)
 {
-    field->owner = memory_array(mesh->face_count, 3 * sizeof *field->owner);
-    if (field->owner == NULL)
-        return error_memory(error, mesh->face_count * 3 * sizeof *field->owner);
     uint32_t count = 0;
     for (size_t v = 0; v < mesh->vertex_count; v++)
     {
@@ -108,7 +89,6 @@ static bat_status find_sectors(const bat_mesh *mesh, const collapse_mesh *topolo
         count--;
     }
     field->owner_count = count;
-    return BAT_OK;
 }
 
 /// The area of a mesh in space and in its texture.
@@ -128,12 +108,13 @@ static void measure_areas(const bat_mesh *mesh, double *space, double *texture)
 }
 
 static bat_status set_texture(const bat_mesh *mesh, const collapse_mesh *topology, double weight, attribute_field *field,
-                              bat_error *error)
+                              memory_pool *pool, bat_error *error)
 {
     double space, texture;
-    bat_status status = find_sectors(mesh, topology, field, error);
-    if (status == BAT_OK)
-        status = allocate(field, field->owner_count, 2, error);
+    field->owner = memory_pool_array(pool, mesh->face_count, 3 * sizeof *field->owner);
+    if (field->owner != NULL)
+        find_sectors(mesh, topology, field);
+    bat_status status = allocate(field, field->owner_count, 2, pool, error);
     if (status != BAT_OK)
         return status;
     measure_areas(mesh, &space, &texture);
@@ -145,10 +126,11 @@ static bat_status set_texture(const bat_mesh *mesh, const collapse_mesh *topolog
     return BAT_OK;
 }
 
-static bat_status set_channels(const bat_mesh *mesh, double weight, attribute_field *field, bat_error *error)
+static bat_status set_channels(const bat_mesh *mesh, double weight, attribute_field *field, memory_pool *pool,
+                               bat_error *error)
 {
     size_t width = mesh->channel_count;
-    bat_status status = allocate(field, mesh->vertex_count, width, error);
+    bat_status status = allocate(field, mesh->vertex_count, width, pool, error);
     if (status != BAT_OK)
         return status;
     double low[3], high[3];
@@ -207,19 +189,17 @@ static void add_face(const bat_mesh *mesh, const collapse_mesh *topology, uint32
     }
 }
 
-bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, attributes *made,
-                           bat_error *error)
+bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, memory_pool *pool,
+                           attributes *made, bat_error *error)
 {
-    bat_status status = BAT_OK;
     if (mesh->texture == NULL && mesh->channel_count == 0)
         return BAT_OK;
-    made->errors = calloc(mesh->vertex_count, sizeof *made->errors);
-    if (made->errors == NULL)
-        return error_memory(error, mesh->vertex_count * sizeof *made->errors);
-    if (mesh->texture != NULL)
-        status = set_texture(mesh, topology, weight, &made->texture, error);
+    made->errors = memory_pool_zeros(pool, mesh->vertex_count, sizeof *made->errors);
+    bat_status status = memory_pool_check(pool, error);
+    if (status == BAT_OK && mesh->texture != NULL)
+        status = set_texture(mesh, topology, weight, &made->texture, pool, error);
     if (status == BAT_OK && mesh->channel_count > 0)
-        status = set_channels(mesh, weight, &made->channels, error);
+        status = set_channels(mesh, weight, &made->channels, pool, error);
     for (uint32_t f = 0; f < mesh->face_count && status == BAT_OK; f++)
     {
         if (made->texture.width > 0)

@@ -1,7 +1,6 @@
 #include "mesh/decimate/collapse.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,15 +10,10 @@
 
 void collapse_mesh_free(collapse_mesh *mesh)
 {
-    free(mesh->corner);
     free(mesh->twin);
     free(mesh->edge);
     free(mesh->first);
-    free(mesh->half_edge);
-    free(mesh->freedom);
-    free(mesh->sharpness);
-    free(mesh->seam);
-    free(mesh->stamp);
+    memory_pool_free(&mesh->pool);
     *mesh = (collapse_mesh){0};
 }
 
@@ -60,11 +54,6 @@ static void count_ends(uint32_t a, uint32_t b, uint8_t *meeting)
 
 static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, uint8_t *meeting, bat_error *error)
 {
-    if (mesh->crease_count == 0)
-        return BAT_OK;
-    made->sharpness = calloc(made->edge_count + 1, sizeof *made->sharpness);
-    if (made->sharpness == NULL)
-        return error_memory(error, made->edge_count * sizeof *made->sharpness);
     for (size_t i = 0; i < mesh->crease_count; i++)
     {
         const bat_mesh_crease *crease = &mesh->creases[i];
@@ -147,13 +136,14 @@ static bat_status set_curves(const bat_mesh *mesh, bool seams, collapse_mesh *ma
     seams = seams && mesh->texture != NULL;
     if (mesh->crease_count == 0 && !seams && !borders)
         return BAT_OK;
-    uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
-    if (meeting == NULL)
-        return error_memory(error, made->vertex_count * sizeof *meeting);
+    uint8_t *meeting = memory_pool_zeros(&made->pool, made->vertex_count + 1, sizeof *meeting);
+    if (mesh->crease_count > 0)
+        made->sharpness = memory_pool_zeros(&made->pool, made->edge_count + 1, sizeof *made->sharpness);
     if (seams || borders)
-        made->seam = calloc(made->edge_count + 1, sizeof *made->seam);
-    bat_status status = (seams || borders) && made->seam == NULL ? error_memory(error, made->edge_count * sizeof *made->seam)
-                                                                 : set_creases(mesh, made, meeting, error);
+        made->seam = memory_pool_zeros(&made->pool, made->edge_count + 1, sizeof *made->seam);
+    bat_status status = memory_pool_check(&made->pool, error);
+    if (status == BAT_OK)
+        status = set_creases(mesh, made, meeting, error);
     if (status == BAT_OK && seams)
         status = set_seams(mesh, made, meeting, error);
     if (status == BAT_OK && borders)
@@ -161,7 +151,6 @@ static bat_status set_curves(const bat_mesh *mesh, bool seams, collapse_mesh *ma
     for (size_t v = 0; v < made->vertex_count && status == BAT_OK; v++)
         if (meeting[v] > 0)
             made->freedom[v] = meeting[v] == 2 && made->freedom[v] == COLLAPSE_FREE ? COLLAPSE_ON_CURVE : COLLAPSE_FIXED;
-    free(meeting);
     return status;
 }
 
@@ -187,19 +176,18 @@ bat_status collapse_mesh_make(const bat_mesh *mesh, bool seams, collapse_mesh *m
     bat_status status = bat_mesh_connect(mesh, &connectivity, error);
     if (status != BAT_OK)
         return status;
-    collapse_mesh new = {.corner = memory_array(3 * mesh->face_count, sizeof *new.corner),
-                         .twin = connectivity.twin,
+    collapse_mesh new = {.twin = connectivity.twin,
                          .edge = connectivity.edge,
                          .first = connectivity.first,
-                         .half_edge = memory_array(connectivity.edge_count, sizeof *new.half_edge),
-                         .freedom = memory_array(mesh->vertex_count, sizeof *new.freedom),
-                         .stamp = memory_array(mesh->vertex_count, sizeof *new.stamp),
                          .vertex_count = mesh->vertex_count,
                          .face_count = mesh->face_count,
                          .edge_count = connectivity.edge_count,
                          .faces_left = mesh->face_count};
-    if (new.corner == NULL || new.half_edge == NULL || new.freedom == NULL || new.stamp == NULL)
-        status = error_memory(error, 3 * mesh->face_count * sizeof *new.corner);
+    new.corner = memory_pool_array(&new.pool, 3 * mesh->face_count, sizeof *new.corner);
+    new.half_edge = memory_pool_array(&new.pool, connectivity.edge_count, sizeof *new.half_edge);
+    new.freedom = memory_pool_array(&new.pool, mesh->vertex_count, sizeof *new.freedom);
+    new.stamp = memory_pool_array(&new.pool, mesh->vertex_count, sizeof *new.stamp);
+    status = memory_pool_check(&new.pool, error);
     if (status == BAT_OK)
     {
         memcpy(new.corner, mesh->faces, 3 * mesh->face_count * sizeof *new.corner);

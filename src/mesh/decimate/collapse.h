@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/memory.h"
 #include "batten/base.h"
 #include "batten/mesh.h"
 
@@ -19,7 +20,7 @@ typedef struct collapse_mesh
 {
     uint32_t *corner;    ///< 3 x faces: the corners of each face; BAT_MESH_NONE for a removed face
     uint32_t *twin;      ///< as in bat_mesh_connectivity
-    uint32_t *edge;      ///< for each half-edge: its edge
+    uint32_t *edge;      ///< as in bat_mesh_connectivity
     uint32_t *first;     ///< as in bat_mesh_connectivity
     uint32_t *half_edge; ///< for each edge: one of its half-edges; BAT_MESH_NONE for a removed edge
     uint8_t *freedom;    ///< for each vertex: a collapse_freedom
@@ -30,6 +31,7 @@ typedef struct collapse_mesh
     size_t vertex_count, face_count, edge_count; ///< of the original mesh
     size_t vertices_left;                        ///< vertices with faces
     size_t faces_left;
+    memory_pool pool; ///< of all arrays but those as in bat_mesh_connectivity
 } collapse_mesh;
 
 enum
@@ -126,10 +128,10 @@ typedef struct edge_queue
 
 #define EDGE_QUEUE_ABSENT UINT32_MAX
 
-/// Make an empty queue for `edges` edges.
+/// Make an empty queue for `edges` edges, in arrays of the pool.
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, edge_queue *queue, bat_error *error);
-void edge_queue_free(edge_queue *queue);
+bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, memory_pool *pool, edge_queue *queue,
+                           bat_error *error);
 
 /// Fill an empty queue with the edges of finite error, in linear time. `errors` has one for each edge.
 void edge_queue_fill(edge_queue *queue, const double *errors, size_t edges);

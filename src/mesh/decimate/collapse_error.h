@@ -110,12 +110,11 @@ typedef struct attributes
     quadric *errors;                   ///< for each vertex, about it; null where the mesh has no values
 } attributes;
 
-/// Set the values of a mesh.
+/// Set the values of a mesh, in arrays of the pool.
 /// @param weight a multiple of the scales
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, attributes *made,
-                           bat_error *error);
-void attributes_free(attributes *all);
+bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, memory_pool *pool,
+                           attributes *made, bat_error *error);
 
 /// The error of the values of an edge's new vertex, about the edge's middle: of the best ones, or of those at `kept`.
 /// `weight` receives the sum of the weights. False without values.

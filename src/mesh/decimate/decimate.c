@@ -62,7 +62,7 @@ typedef struct decimation
     double *corners;    ///< for each vertex: its sharpness as a corner; null for a mesh without corners
     bat_mesh_map *map;  ///< null without a map
     flat_workspace *workspace; ///< null without a map
-    memory_pool pool;          ///< of the arrays and the workspace
+    memory_pool pool;          ///< of the arrays, the queue, the fields and the workspace
     collapse_ring ring;        ///< of the current edge
     double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
 } decimation;
@@ -70,9 +70,7 @@ typedef struct decimation
 static void free_all(decimation *all)
 {
     collapse_mesh_free(&all->mesh);
-    edge_queue_free(&all->queue);
     memory_pool_free(&all->pool);
-    attributes_free(&all->fields);
     bat_mesh_map_free(all->map);
     free(all);
 }
@@ -89,7 +87,8 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     all->workspace = mapped ? memory_pool_array(&all->pool, 1, sizeof *all->workspace) : NULL;
     bat_status status = memory_pool_check(&all->pool, error);
     if (status == BAT_OK)
-        status = edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->queue, error);
+        status = edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->pool, &all->queue,
+                                 error);
     return status == BAT_OK && mapped ? map_make(fine->face_count, &all->map, error) : status;
 }
 
@@ -153,7 +152,7 @@ static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_
         all->corners[fine->corners[i].vertex] = fine->corners[i].sharpness;
     error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
     if (all->options->attributes > 0)
-        status = attributes_make(fine, &all->mesh, all->options->attributes, &all->fields, error);
+        status = attributes_make(fine, &all->mesh, all->options->attributes, &all->pool, &all->fields, error);
     return status;
 }
 

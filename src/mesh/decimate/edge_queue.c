@@ -1,10 +1,6 @@
 #include "mesh/decimate/collapse.h"
 
-#include "base/error.h"
-#include "base/memory.h"
-
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file
@@ -15,27 +11,16 @@ enum
     CHILDREN = 4
 };
 
-bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, edge_queue *queue, bat_error *error)
+bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, memory_pool *pool, edge_queue *queue,
+                           bat_error *error)
 {
-    edge_queue made = {.items = memory_array(edges, sizeof *made.items),
-                       .place = memory_array(edges, sizeof *made.place),
-                       .candidates = candidates < edges ? candidates : 0,
-                       .random = bat_random_seed(seed)};
-    if (made.items == NULL || made.place == NULL)
-    {
-        edge_queue_free(&made);
-        return error_memory(error, edges * sizeof *made.items);
-    }
-    memset(made.place, 0xff, edges * sizeof *made.place);
-    *queue = made;
-    return BAT_OK;
-}
-
-void edge_queue_free(edge_queue *queue)
-{
-    free(queue->items);
-    free(queue->place);
-    *queue = (edge_queue){0};
+    *queue = (edge_queue){.items = memory_pool_array(pool, edges, sizeof *queue->items),
+                          .place = memory_pool_array(pool, edges, sizeof *queue->place),
+                          .candidates = candidates < edges ? candidates : 0,
+                          .random = bat_random_seed(seed)};
+    if (queue->place != NULL)
+        memset(queue->place, 0xff, edges * sizeof *queue->place);
+    return memory_pool_check(pool, error);
 }
 
 static bool comes_before(const edge_queue_item *a, const edge_queue_item *b)
