@@ -50,10 +50,7 @@ static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
     const uint32_t *corner = mesh->faces + 3 * face;
     const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1];
     const double *c = mesh->positions + 3 * (size_t)corner[2];
-    double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    normal[0] = u[1] * v[2] - u[2] * v[1];
-    normal[1] = u[2] * v[0] - u[0] * v[2];
-    normal[2] = u[0] * v[1] - u[1] * v[0];
+    vector3_triangle(a, b, c, normal);
 }
 
 static void set_unit(const double normal[3], float unit[3])

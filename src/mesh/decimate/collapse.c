@@ -1,6 +1,7 @@
 #include "mesh/decimate/collapse.h"
 
 #include "base/error.h"
+#include "mesh/refine/sharpness.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,24 +28,6 @@ static bool is_boundary(const collapse_mesh *mesh, uint32_t vertex)
     return mesh->twin[mesh->first[vertex]] == BAT_MESH_NONE;
 }
 
-/// The edge between two vertices; BAT_MESH_NONE when they are not neighbours.
-static uint32_t find_edge(const collapse_mesh *mesh, uint32_t a, uint32_t b)
-{
-    uint32_t first = mesh->first[a], h = first;
-    while (h != BAT_MESH_NONE)
-    {
-        if (mesh->corner[bat_mesh_next(h)] == b)
-            return mesh->edge[h];
-        uint32_t previous = bat_mesh_previous(h);
-        if (mesh->corner[previous] == b)
-            return mesh->edge[previous];
-        h = mesh->twin[previous];
-        if (h == first)
-            break;
-    }
-    return BAT_MESH_NONE;
-}
-
 /// Count the curve edges at both ends of an edge that becomes one, up to 3.
 static void count_ends(uint32_t a, uint32_t b, uint8_t *meeting)
 {
@@ -54,13 +37,16 @@ static void count_ends(uint32_t a, uint32_t b, uint8_t *meeting)
 
 static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, uint8_t *meeting, bat_error *error)
 {
+    const bat_mesh_connectivity links = {.twin = made->twin, .edge = made->edge, .first = made->first};
+    const mesh_level level = {.faces = made->corner, .links = &links};
     for (size_t i = 0; i < mesh->crease_count; i++)
     {
         const bat_mesh_crease *crease = &mesh->creases[i];
-        uint32_t edge = find_edge(made, crease->a, crease->b);
-        if (edge == BAT_MESH_NONE)
+        uint32_t h = mesh_half_edge_between(&level, crease->a, crease->b);
+        if (h == BAT_MESH_NONE)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are not an edge",
                              i, crease->a, crease->b);
+        uint32_t edge = made->edge[h];
         if (crease->sharpness > 0 && made->sharpness[edge] == 0 && made->twin[made->half_edge[edge]] != BAT_MESH_NONE)
         {
             count_ends(crease->a, crease->b, meeting);

@@ -95,12 +95,6 @@ typedef struct pieces
     size_t count, room;
 } pieces;
 
-static double length_between(const double a[3], const double b[3])
-{
-    double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return sqrt(x * x + y * y + z * z);
-}
-
 /// The bound from the Lipschitz constant 1 of the distance: along the edges from any corner, or from the nearest corner,
 /// which is at most 1 / sqrt(3) times the longest edge away (Jung's theorem).
 static double bound_by_way(const piece *part)
@@ -108,7 +102,7 @@ static double bound_by_way(const piece *part)
     static const double PER_ROOT_OF_THREE = 0.57735026918962576451;
     double edges[3], bound = INFINITY, longest = 0, greatest = 0;
     for (int c = 0; c < 3; c++)
-        edges[c] = length_between(part->corners[c], part->corners[(c + 1) % 3]);
+        edges[c] = vector3_distance(part->corners[c], part->corners[(c + 1) % 3]);
     for (int c = 0; c < 3; c++)
     {
         bound = fmin(bound, part->distances[c] + fmax(edges[c], edges[(c + 2) % 3]));
@@ -158,10 +152,9 @@ typedef struct cut
 
 static double height_above(const cut *plane, const double point[3])
 {
-    double height = 0;
-    for (int k = 0; k < 3; k++)
-        height += plane->normal[k] * (point[k] - plane->point[k]);
-    return height;
+    double from[3];
+    vector3_subtract(point, plane->point, from);
+    return vector3_dot(plane->normal, from);
 }
 
 /// Find the plane between the triangles at two places, which must share an edge.
@@ -250,7 +243,7 @@ static int longest_edge(const piece *part)
     double greatest = -1;
     for (int c = 0; c < 3; c++)
     {
-        double length = length_between(part->corners[c], part->corners[(c + 1) % 3]);
+        double length = vector3_distance(part->corners[c], part->corners[(c + 1) % 3]);
         if (length > greatest)
         {
             greatest = length;

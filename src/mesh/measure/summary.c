@@ -263,18 +263,13 @@ typedef struct mesh_measure
     int power;                               ///< of the unit of length in the number
 } mesh_measure;
 
-#define GIVEN(field, title, form)                                                                                           \
+#define ROW(field, title, form, ...)                                                                                        \
     {                                                                                                                       \
-        MEASURE(bat_mesh_summary, field, title, form), NONE, NONE, NULL, 0                                                  \
+        MEASURE(bat_mesh_summary, field, title, form), __VA_ARGS__                                                          \
     }
-#define OF_EDGES(field, title, how)                                                                                         \
-    {                                                                                                                       \
-        MEASURE(bat_mesh_summary, field, title, NUMBER), how, NONE, NULL, 1                                                 \
-    }
-#define OF_FACES(field, title, how, value, power)                                                                           \
-    {                                                                                                                       \
-        MEASURE(bat_mesh_summary, field, title, NUMBER), NONE, how, value, power                                            \
-    }
+#define GIVEN(field, title, form) ROW(field, title, form, NONE, NONE, NULL, 0)
+#define OF_EDGES(field, title, how) ROW(field, title, NUMBER, how, NONE, NULL, 1)
+#define OF_FACES(field, title, how, value, power) ROW(field, title, NUMBER, NONE, how, value, power)
 
 static const mesh_measure MEASURES[] = {
     GIVEN(vertices, "vertices", COUNT),

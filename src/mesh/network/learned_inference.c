@@ -401,12 +401,12 @@ static void place_edge(const pass *p, size_t e, const mesh_flap *flap, const rea
     sum_move(EK, (const double(*)[3])candidate, learned_edge_bound, coefficient, move);
 }
 
-/// The new vertices of the edges begin, …, begin + rows - 1.
-static void insert_vertices(const pass *p, size_t begin, size_t rows, block *b)
+/// The new vertices of the edges begin, …, end - 1.
+static void insert_vertices(const pass *p, size_t begin, size_t end, block *b)
 {
     const learned_layers *layers = p->layers;
     const mesh_flap *flap[ROWS];
-    size_t tiles = learn_whole_tiles(rows);
+    size_t rows = end - begin, tiles = learn_whole_tiles(rows);
     for (size_t r = 0; r < rows; r++)
         flap[r] = &p->flaps->flap[p->flaps->of_edge[begin + r][0]];
     learn_packed own = with_bias(&layers->edge_own, p->bias[2]);
@@ -476,19 +476,19 @@ static void set_biases(pass *p, const real context[LEARNED_CONTEXT])
 
 // All
 
-/// The work on the vertices begin, …, end - 1.
-typedef void vertex_work(const pass *p, size_t begin, size_t end, block *b);
+/// The work on the vertices or edges begin, …, end - 1.
+typedef void block_work(const pass *p, size_t begin, size_t end, block *b);
 
-static void run_vertices(pass *p, vertex_work *work, size_t size)
+static void run_blocks(pass *p, block_work *work, size_t count, size_t size)
 {
-    size_t vertices = p->flaps->vertex_count, blocks = (vertices + size - 1) / size, failures = 0;
+    size_t blocks = (count + size - 1) / size, failures = 0;
 #pragma omp parallel num_threads(threads_for(p->threads, blocks)) reduction(+ : failures)
     {
         block b = {0};
 #pragma omp for
         for (size_t i = 0; i < blocks; i++)
         {
-            size_t begin = i * size, end = begin + size < vertices ? begin + size : vertices;
+            size_t begin = i * size, end = begin + size < count ? begin + size : count;
             work(p, begin, end, &b);
         }
         failures += b.failures;
@@ -503,20 +503,6 @@ static void multiply_ends(const pass *p, size_t begin, size_t end, block *b)
     copy_rows(p->state + begin * W, rows, W, b->in);
     learn_packed_linear(&p->layers->opposite, tiles, b->in, W, p->product + begin * W);
     learn_packed_linear(&p->layers->end, tiles, b->in, W, p->end + begin * W);
-}
-
-static void run_edges(pass *p)
-{
-    size_t edges = p->flaps->edge_count, blocks = (edges + ROWS - 1) / ROWS, failures = 0;
-#pragma omp parallel num_threads(threads_for(p->threads, blocks)) reduction(+ : failures)
-    {
-        block b = {0};
-#pragma omp for
-        for (size_t i = 0; i < blocks; i++)
-            insert_vertices(p, i * ROWS, edges - i * ROWS < ROWS ? edges - i * ROWS : ROWS, &b);
-        failures += b.failures;
-    }
-    p->failures += failures;
 }
 
 /// The parts of the memory of a level, each aligned to 64 bytes.
@@ -602,23 +588,23 @@ bat_status mesh_learned_step(const mesh_learned *network, size_t level, const me
               .fine = fine,
               .threads = threads};
     memset(p.sums, 0, vertices * sizeof *p.sums);
-    run_vertices(&p, begin_states, ROWS);
+    run_blocks(&p, begin_states, vertices, ROWS);
     if (level == 0)
     {
         // Rows beyond the last vertex fill its tile; they are read.
         memset(p.message + vertices * W, 0, (rows - vertices) * W * sizeof *p.message);
-        run_vertices(&p, gather_messages, VERTICES);
+        run_blocks(&p, gather_messages, vertices, VERTICES);
         status = pool(network, &p, fairness, run->context, error);
     }
     if (status == BAT_OK)
     {
         set_biases(&p, run->context);
         if (level == 0)
-            run_vertices(&p, update_vertices, ROWS);
+            run_blocks(&p, update_vertices, vertices, ROWS);
         else
-            run_vertices(&p, gather_and_update, VERTICES);
-        run_vertices(&p, multiply_ends, ROWS);
-        run_edges(&p);
+            run_blocks(&p, gather_and_update, vertices, VERTICES);
+        run_blocks(&p, multiply_ends, vertices, ROWS);
+        run_blocks(&p, insert_vertices, flaps->edge_count, ROWS);
         *failures = p.failures;
     }
     if (run->state != state)

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,8 +11,7 @@
 /// @file
 /// Sharpness of edges and vertices: from creases, corners and angles, through the levels, and back to creases and corners.
 
-/// A half-edge between two vertices, in either direction; BAT_MESH_NONE when they are not neighbours.
-static uint32_t find_half_edge(const mesh_level *level, uint32_t a, uint32_t b)
+uint32_t mesh_half_edge_between(const mesh_level *level, uint32_t a, uint32_t b)
 {
     uint32_t first = level->links->first[a], h = first;
     while (h != BAT_MESH_NONE)
@@ -33,7 +33,7 @@ static bat_status take_creases(const mesh_level *level, const bat_mesh *mesh, do
     for (size_t i = 0; i < mesh->crease_count; i++)
     {
         const bat_mesh_crease *crease = &mesh->creases[i];
-        uint32_t h = find_half_edge(level, crease->a, crease->b);
+        uint32_t h = mesh_half_edge_between(level, crease->a, crease->b);
         if (h == BAT_MESH_NONE)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are not an edge",
                              i, crease->a, crease->b);
@@ -52,28 +52,20 @@ static void face_normal(const mesh_level *level, const double *positions, uint32
     for (uint32_t c = begin + 1; c + 1 < end; c++)
     {
         const double *q = positions + 3 * (size_t)level->faces[c], *r = positions + 3 * (size_t)level->faces[c + 1];
+        double part[3];
+        vector3_triangle(p, q, r, part);
         for (int i = 0; i < 3; i++)
-        {
-            int j = (i + 1) % 3, k = (i + 2) % 3;
-            normal[i] += (q[j] - p[j]) * (r[k] - p[k]) - (q[k] - p[k]) * (r[j] - p[j]);
-        }
+            normal[i] += part[i];
     }
 }
 
 /// The angle between the normals of two faces, 0 to pi; 0 where a face has no area.
 static double angle_between_faces(const mesh_level *level, const double *positions, uint32_t f, uint32_t g)
 {
-    double m[3], n[3], cross = 0, dot = 0;
+    double m[3], n[3];
     face_normal(level, positions, f, m);
     face_normal(level, positions, g, n);
-    for (int i = 0; i < 3; i++)
-    {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        double component = m[j] * n[k] - m[k] * n[j];
-        cross += component * component;
-        dot += m[i] * n[i];
-    }
-    return atan2(sqrt(cross), dot);
+    return vector3_angle(m, n);
 }
 
 static void take_angles(const mesh_level *level, const double *positions, double crease_angle, double *sharpness)

@@ -27,6 +27,9 @@ bat_status sharpness_of_edges(const mesh_level *level, const bat_mesh *mesh, dou
 bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, bool sharpen_boundary, double **sharpness,
                                  bat_error *error);
 
+/// A half-edge between two vertices, in either direction; BAT_MESH_NONE when they are not neighbours.
+uint32_t mesh_half_edge_between(const mesh_level *level, uint32_t a, uint32_t b);
+
 /// List what is sharp. Release the list with sharp_list_free().
 /// @param list all zero where nothing is sharp
 /// @return BAT_OK or BAT_NO_MEMORY; `list` is all zero on failure
