@@ -63,17 +63,18 @@ static void free_transfer(texture_transfer *all)
     bat_mesh_connectivity_free(&all->connectivity);
     free(all->first);
     free(all->next);
-    free(all->texture);
-    free(all->faces);
 }
 
-static bat_status allocate_texture(const midpoint_mesh *split, texture_transfer *all, bat_error *error)
+/// Allocate the arrays, those of the texture as parts of `refined`.
+static bat_status allocate_texture(const midpoint_mesh *split, texture_transfer *all, bat_mesh *refined, bat_error *error)
 {
     size_t max_count = 3 * split->face_count;
     all->first = memory_array(split->vertex_count, sizeof *all->first);
     all->next = memory_array(max_count, sizeof *all->next);
     all->texture = memory_array(max_count, sizeof *all->texture);
     all->faces = memory_array(max_count, sizeof *all->faces);
+    refined->texture = (double *)all->texture;
+    refined->texture_faces = all->faces;
     if (all->first == NULL || all->next == NULL || all->texture == NULL || all->faces == NULL)
         return error_memory(error, max_count * sizeof *all->texture);
     memset(all->first, 0xff, split->vertex_count * sizeof *all->first);
@@ -312,28 +313,21 @@ static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *spli
 }
 
 /// Set the texture coordinates of `refined`, which has none, from the fine mesh. `split` is the subdivided coarse mesh, and
-/// `images` are its vertices on the fine mesh.
+/// its points are the images of its vertices on the fine mesh.
 ///
 /// A corner gets the texture coordinate at its image; at a seam, the one on its face's side. A face across a seam belongs to
 /// the side with most of its samples. Its corners on the other side get the values of an affine map fitted to these samples.
 /// @return BAT_OK, BAT_NO_MEMORY, or a failure of bat_mesh_connect()
 static bat_status map_texture_transfer(const bat_mesh_map *map, const bat_mesh *fine, const midpoint_mesh *split,
-                                       const bat_mesh_point *images, bat_mesh *refined, bat_error *error)
+                                       bat_mesh *refined, bat_error *error)
 {
-    texture_transfer all = {.map = map, .fine = fine, .images = images};
+    texture_transfer all = {.map = map, .fine = fine, .images = split->points};
     bat_status status = bat_mesh_connect(fine, &all.connectivity, error);
     if (status == BAT_OK)
-        status = allocate_texture(split, &all, error);
+        status = allocate_texture(split, &all, refined, error);
     for (size_t f = 0; f < split->face_count && status == BAT_OK; f++)
         status = transfer_face(&all, split, f, error);
-    if (status == BAT_OK)
-    {
-        refined->texture = (double *)all.texture;
-        refined->texture_faces = all.faces;
-        refined->texture_count = all.count;
-        all.texture = NULL;
-        all.faces = NULL;
-    }
+    refined->texture_count = all.count;
     free_transfer(&all);
     return status;
 }
@@ -408,33 +402,6 @@ bat_status bat_mesh_midpoints(const bat_mesh *coarse, size_t levels, bat_mesh_po
     return BAT_OK;
 }
 
-/// Subdivide the coarse mesh and compute the images of its vertices on the fine mesh. Release `images` with free().
-static bat_status find_images(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
-                              midpoint_mesh *split, bat_mesh_point **images, bat_error *error)
-{
-    bat_status status = map_check(map, fine, coarse, error);
-    if (status == BAT_OK)
-        status = midpoint_mesh_make(coarse, levels, split, error);
-    if (status != BAT_OK)
-        return status;
-    bat_mesh_point *made = memory_array(split->vertex_count, sizeof *made);
-    if (made == NULL)
-        status = error_memory(error, split->vertex_count * sizeof *made);
-    if (status == BAT_OK)
-    {
-        memcpy(made, split->points, split->vertex_count * sizeof *made);
-        status = bat_mesh_map_to_fine(map, made, split->vertex_count, error);
-    }
-    if (status != BAT_OK)
-    {
-        midpoint_mesh_free(split);
-        free(made);
-        return status;
-    }
-    *images = made;
-    return BAT_OK;
-}
-
 /// Interpolate values at a point: sum_c barycentric[c] values[corner[c]].
 static void interpolate(const double *values, size_t width, const uint32_t *corner, const double *barycentric,
                         double *result)
@@ -466,20 +433,21 @@ static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *image
 bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
                                  bat_mesh *refined, bat_error *error)
 {
-    bat_mesh_point *images;
-    midpoint_mesh split;
+    midpoint_mesh split = {0};
     bat_mesh signals = {0};
-    bat_status status = find_images(map, fine, coarse, levels, &split, &images, error);
-    if (status != BAT_OK)
-        return status;
-    if (refined->vertex_count != split.vertex_count || refined->face_count != split.face_count)
+    bat_status status = map_check(map, fine, coarse, error);
+    if (status == BAT_OK)
+        status = midpoint_mesh_make(coarse, levels, &split, error);
+    if (status == BAT_OK) // the points become their images
+        status = bat_mesh_map_to_fine(map, split.points, split.vertex_count, error);
+    if (status == BAT_OK && (refined->vertex_count != split.vertex_count || refined->face_count != split.face_count))
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                            "the mesh is not the coarse one subdivided %zu times: it has %zu vertices, not %zu", levels,
                            refined->vertex_count, split.vertex_count);
     if (status == BAT_OK)
-        status = set_channels(fine, images, split.vertex_count, &signals, error);
+        status = set_channels(fine, split.points, split.vertex_count, &signals, error);
     if (status == BAT_OK && fine->texture != NULL)
-        status = map_texture_transfer(map, fine, &split, images, &signals, error);
+        status = map_texture_transfer(map, fine, &split, &signals, error);
     if (status == BAT_OK)
     {
         mesh_swap_texture(&signals, refined);
@@ -487,6 +455,5 @@ bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, 
     }
     bat_mesh_free(&signals);
     midpoint_mesh_free(&split);
-    free(images);
     return status;
 }

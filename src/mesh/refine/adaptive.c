@@ -235,6 +235,16 @@ static bat_status find_limits(const adaptive_work *work, adaptive_level *now, ba
     return status;
 }
 
+/// Make the arrays of a level whose mesh is set. `fresh` receives one for each vertex.
+static bat_status make_arrays(const adaptive_work *work, adaptive_level *now, bool **fresh, bat_error *error)
+{
+    now->number = memory_pool_array(&now->pool, now->mesh.vertex_count, sizeof *now->number);
+    now->real = memory_pool_array(&now->pool, now->mesh.face_count, sizeof *now->real);
+    now->source = memory_pool_array(&now->pool, now->mesh.face_count, sizeof *now->source);
+    *fresh = memory_pool_array(&now->pool, now->mesh.vertex_count, sizeof **fresh);
+    return now->pool.missing == 0 ? BAT_OK : no_memory(work, error);
+}
+
 /// The part of a level that is refined: its mesh, and which vertices and faces of the level it has.
 typedef struct level_part
 {
@@ -466,12 +476,9 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
     if (status == BAT_OK)
         status = refine_corners(&part.mesh, &now->part_sides, &work->step, &next->mesh, error);
     next->sides.quads = work->options->scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
-    bool *fresh = memory_array(next->mesh.vertex_count, sizeof *fresh);
-    next->number = memory_pool_array(&next->pool, next->mesh.vertex_count, sizeof *next->number);
-    next->real = memory_pool_array(&next->pool, next->mesh.face_count, sizeof *next->real);
-    next->source = memory_pool_array(&next->pool, next->mesh.face_count, sizeof *next->source);
-    if (status == BAT_OK && (fresh == NULL || next->number == NULL || next->real == NULL || next->source == NULL))
-        status = no_memory(work, error);
+    bool *fresh;
+    if (status == BAT_OK)
+        status = make_arrays(work, next, &fresh, error);
     if (status == BAT_OK)
         status = find_limits(work, next, error);
     if (status == BAT_OK)
@@ -481,7 +488,6 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
     }
     if (status == BAT_OK)
         note_middles(now, &part, &links, next);
-    free(fresh);
     bat_mesh_connectivity_free(&links);
     part_free(&part);
     return status;
@@ -644,12 +650,8 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
     bat_status status = take_marks(work, coarse, now, error);
     if (status != BAT_OK)
         return status;
-    now->number = memory_pool_array(&now->pool, coarse->vertex_count, sizeof *now->number);
-    now->real = memory_pool_array(&now->pool, coarse->face_count, sizeof *now->real);
-    now->source = memory_pool_array(&now->pool, coarse->face_count, sizeof *now->source);
-    bool *fresh = memory_array(coarse->vertex_count, sizeof *fresh);
-    if (now->number == NULL || now->real == NULL || now->source == NULL || fresh == NULL)
-        status = no_memory(work, error);
+    bool *fresh;
+    status = make_arrays(work, now, &fresh, error);
     if (status == BAT_OK)
     {
         memset(now->real, true, coarse->face_count * sizeof *now->real);
@@ -660,7 +662,6 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
     }
     if (status == BAT_OK)
         status = number_vertices(work, now, fresh, error);
-    free(fresh);
     return status;
 }
 

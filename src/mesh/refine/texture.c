@@ -348,12 +348,11 @@ bat_status texture_rule(const texture_rows *rows, bat_error *error)
 {
     const mesh_level *level = rows->level;
     uint32_t largest = largest_ring(level);
-    value_ring ring = {.half_edges = memory_array(largest, sizeof *ring.half_edges),
-                       .spans = memory_array(largest, sizeof *ring.spans),
-                       .span_of = memory_array(largest, sizeof *ring.span_of)};
-    bat_status status = BAT_OK;
-    if (ring.half_edges == NULL || ring.spans == NULL || ring.span_of == NULL)
-        status = error_memory(error, largest * sizeof *ring.spans);
+    memory_pool pool = {0};
+    value_ring ring = {.half_edges = memory_pool_array(&pool, largest, sizeof *ring.half_edges),
+                       .spans = memory_pool_array(&pool, largest, sizeof *ring.spans),
+                       .span_of = memory_pool_array(&pool, largest, sizeof *ring.span_of)};
+    bat_status status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         memcpy(rows->to, rows->from, 2 * rows->seams->vertex_count * sizeof *rows->to);
@@ -374,9 +373,7 @@ bat_status texture_rule(const texture_rows *rows, bat_error *error)
             divided_vertex(rows, v, &ring);
         }
     }
-    free(ring.half_edges);
-    free(ring.spans);
-    free(ring.span_of);
+    memory_pool_free(&pool);
     return status;
 }
 
