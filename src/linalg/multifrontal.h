@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/bisect.h"
 #include "base/memory.h"
 
 /// @file
@@ -14,6 +15,15 @@ typedef struct symmetric_pattern
     const int *first; ///< [count + 1]
     const int *row;   ///< rows of each column, each once: the diagonal first, then rows below it
 } symmetric_pattern;
+
+/// The index of an entry that such a pattern has, in the column of its lesser unknown.
+static inline size_t symmetric_pattern_find(const int *first, const int *row, size_t i, size_t j)
+{
+    size_t column = i < j ? i : j, wanted = i < j ? j : i;
+    size_t low = (size_t)first[column], high = (size_t)first[column + 1];
+    BISECT(low, high, middle, (size_t)row[middle] < wanted)
+    return low;
+}
 
 /// An entry of the matrix in the column of its earlier unknown.
 typedef struct front_entry

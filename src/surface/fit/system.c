@@ -26,6 +26,7 @@ enum
 /// The cells in the support of every function, ascending.
 typedef struct function_cells
 {
+    memory_pool pool;
     size_t *first; ///< functions + 2
     uint32_t *cell;
 } function_cells;
@@ -34,27 +35,22 @@ static bat_status function_cells_make(const bat_hierarchical_space *space, funct
 {
     size_t functions = bat_hierarchical_space_functions(space), cell_count = bat_hierarchical_space_cells(space);
     const uint32_t *active;
-    *cells = (function_cells){.first = calloc(functions + 2, sizeof *cells->first)};
+    *cells = (function_cells){0};
+    cells->first = memory_pool_zeros(&cells->pool, functions + 2, sizeof *cells->first);
     if (cells->first == NULL)
-        return error_memory(error, (functions + 2) * sizeof *cells->first);
+        return memory_pool_check(&cells->pool, error);
     for (size_t c = 0; c < cell_count; c++)
         for (size_t k = bat_hierarchical_space_active(space, c, &active); k-- > 0;)
             cells->first[active[k] + 2]++;
     for (size_t f = 0; f <= functions; f++)
         cells->first[f + 1] += cells->first[f];
-    cells->cell = memory_array(cells->first[functions + 1], sizeof *cells->cell);
+    cells->cell = memory_pool_array(&cells->pool, cells->first[functions + 1], sizeof *cells->cell);
     if (cells->cell == NULL)
-        return error_memory(error, cells->first[functions + 1] * sizeof *cells->cell);
+        return memory_pool_check(&cells->pool, error);
     for (size_t c = 0; c < cell_count; c++)
         for (size_t k = bat_hierarchical_space_active(space, c, &active); k-- > 0;)
             cells->cell[cells->first[active[k] + 1]++] = (uint32_t)c;
     return BAT_OK;
-}
-
-static void function_cells_free(function_cells *cells)
-{
-    free(cells->first);
-    free(cells->cell);
 }
 
 /// The row indices of column f: functions g >= f that share a cell with f, ascending.
@@ -112,8 +108,9 @@ static bool find_all(const bat_hierarchical_space *space, const function_cells *
     return allocated;
 }
 
-static bat_status add_up(fit_pattern *pattern, bat_error *error)
+bat_status fit_system_reserve(fit_system *system, bat_error *error)
 {
+    fit_pattern *pattern = &system->pattern;
     size_t total = 0;
     for (size_t f = 0; f < pattern->functions; f++)
     {
@@ -123,25 +120,29 @@ static bat_status add_up(fit_pattern *pattern, bat_error *error)
                              pattern->functions);
         pattern->first[f + 1] = (int)total;
     }
-    pattern->row = memory_array(total, sizeof *pattern->row);
-    return pattern->row == NULL ? error_memory(error, total * sizeof *pattern->row) : BAT_OK;
+    pattern->row = memory_pool_array(&system->pool, total, sizeof *pattern->row);
+    system->gram = memory_pool_array(&system->pool, total, sizeof *system->gram);
+    system->plate = memory_pool_array(&system->pool, total, sizeof *system->plate);
+    system->right = memory_pool_array(&system->pool, system->functions * system->columns, sizeof *system->right);
+    return memory_pool_check(&system->pool, error);
 }
 
-static bat_status fit_pattern_make(const bat_hierarchical_space *space, int threads, fit_pattern *pattern, bat_error *error)
+static bat_status make_pattern(fit_system *system, bat_error *error)
 {
-    size_t functions = bat_hierarchical_space_functions(space);
-    *pattern = (fit_pattern){.functions = functions, .first = calloc(functions + 1, sizeof *pattern->first)};
+    fit_pattern *pattern = &system->pattern;
+    size_t functions = pattern->functions = system->functions;
+    pattern->first = memory_pool_zeros(&system->pool, functions + 1, sizeof *pattern->first);
     if (pattern->first == NULL)
-        return error_memory(error, (functions + 1) * sizeof *pattern->first);
+        return memory_pool_check(&system->pool, error);
     function_cells cells;
-    bat_status status = function_cells_make(space, &cells, error);
-    if (status == BAT_OK && !find_all(space, &cells, threads, pattern, true))
+    bat_status status = function_cells_make(system->space, &cells, error);
+    if (status == BAT_OK && !find_all(system->space, &cells, system->threads, pattern, true))
         status = error_memory(error, functions * sizeof(uint32_t));
     if (status == BAT_OK)
-        status = add_up(pattern, error);
-    if (status == BAT_OK && !find_all(space, &cells, threads, pattern, false))
+        status = fit_system_reserve(system, error);
+    if (status == BAT_OK && !find_all(system->space, &cells, system->threads, pattern, false))
         status = error_memory(error, functions * sizeof(uint32_t));
-    function_cells_free(&cells);
+    memory_pool_free(&cells.pool);
     return status;
 }
 
@@ -415,24 +416,13 @@ bat_status fit_system_make(const bat_hierarchical_space *space, const fit_team *
                            .threads = threads};
     if (!team_is_first(team))
         return BAT_OK;
-    bat_status status = fit_pattern_make(space, threads, &system->pattern, error);
-    if (status != BAT_OK)
-        return status;
-    size_t entries = (size_t)system->pattern.first[system->functions];
-    system->gram = memory_array(entries, sizeof *system->gram);
-    system->plate = memory_array(entries, sizeof *system->plate);
-    system->right = memory_array(system->functions * system->columns, sizeof *system->right);
-    if (system->gram == NULL || system->plate == NULL || system->right == NULL)
-        return error_memory(error, entries * sizeof *system->gram);
-    return fit_thin_plate(&system->pattern, space, levelled, threads, system->plate, error);
+    bat_status status = make_pattern(system, error);
+    return status == BAT_OK ? fit_thin_plate(&system->pattern, space, levelled, threads, system->plate, error) : status;
 }
 
 void fit_system_free(fit_system *system)
 {
-    pattern_free(&system->pattern);
-    free(system->gram);
-    free(system->plate);
-    free(system->right);
+    memory_pool_free(&system->pool);
     *system = (fit_system){0};
 }
 

@@ -51,6 +51,7 @@ bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_sp
 /// The matrices and right-hand sides of a fit. Release it with fit_system_free().
 typedef struct fit_system
 {
+    memory_pool pool; ///< of all arrays
     const bat_hierarchical_space *space;
     size_t functions;
     size_t dimension; ///< of the points
@@ -70,6 +71,8 @@ typedef struct fit_system
 ///                 with its level
 bat_status fit_system_make(const bat_hierarchical_space *space, const fit_team *team, size_t dimension, bool levelled,
                            int threads, fit_system *system, bat_error *error);
+/// Add up the numbers of rows of the columns in pattern.first[1] and on, and make all other arrays.
+bat_status fit_system_reserve(fit_system *system, bat_error *error);
 void fit_system_free(fit_system *system);
 
 /// Assemble G, b and the sums. Requires fit_points_sort(). The result is the same for any number of threads and processes.

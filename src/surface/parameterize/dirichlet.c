@@ -222,22 +222,6 @@ static bat_status make_pattern(dirichlet_map *map, bat_error *error)
     return BAT_OK;
 }
 
-/// The index of an entry of the pattern.
-static int find_entry(const dirichlet_map *map, int p, int q)
-{
-    int column = p < q ? p : q, wanted = p < q ? q : p;
-    int low = map->first[column], high = map->first[column + 1];
-    while (high - low > 1)
-    {
-        int middle = low + (high - low) / 2;
-        if (map->row[middle] <= wanted)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static void set_entries(dirichlet_map *map)
 {
     for (size_t t = 0; t < map->triangle_count; t++)
@@ -248,7 +232,8 @@ static void set_entries(dirichlet_map *map)
             for (int b = 0; b <= a; b++)
             {
                 int p = unknown_of(map, triangle, a), q = unknown_of(map, triangle, b);
-                *entry++ = p == FIXED || q == FIXED ? FIXED : find_entry(map, p, q);
+                bool stays = p == FIXED || q == FIXED;
+                *entry++ = stays ? FIXED : (int)symmetric_pattern_find(map->first, map->row, (size_t)p, (size_t)q);
             }
     }
 }

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "base/threads.h"
+#include "linalg/multifrontal.h"
 #include "linalg/vector.h"
 #include "mesh/sides.h"
 #include "surface/fit/system.h"
@@ -139,24 +140,20 @@ static size_t fill_column(const fit_work *work, const size_t *first, const uint3
 static bat_status make_pattern(fit_work *work, bat_error *error)
 {
     fit_pattern *pattern = &work->system.pattern;
-    size_t count = work->fit->grid->vertex_count, *first, total = 0;
+    size_t count = work->fit->grid->vertex_count, *first;
     uint32_t *users;
     bat_status status = list_users(work, &first, &users, error);
     if (status != BAT_OK)
         return status;
     pattern->functions = count;
-    pattern->first = memory_array(count + 1, sizeof *pattern->first);
+    pattern->first = memory_pool_zeros(&work->system.pool, count + 1, sizeof *pattern->first);
     if (pattern->first == NULL)
-        return error_memory(error, (count + 1) * sizeof *pattern->first);
+        return memory_pool_check(&work->system.pool, error);
     for (uint32_t v = 0; v < count; v++)
-    {
-        pattern->first[v] = (int)total;
-        total += fill_column(work, first, users, v, NULL);
-    }
-    pattern->first[count] = (int)total;
-    pattern->row = memory_array(total, sizeof *pattern->row);
-    if (pattern->row == NULL)
-        return error_memory(error, total * sizeof *pattern->row);
+        pattern->first[v + 1] = (int)fill_column(work, first, users, v, NULL);
+    status = fit_system_reserve(&work->system, error);
+    if (status != BAT_OK)
+        return status;
     memset(work->slot, 0xff, count * sizeof *work->slot);
     for (uint32_t v = 0; v < count; v++)
         (void)fill_column(work, first, users, v, pattern->row + pattern->first[v]);
@@ -167,17 +164,7 @@ static bat_status make_pattern(fit_work *work, bat_error *error)
 /// Add to an entry of the pattern.
 static void add_entry(const fit_pattern *pattern, double *values, uint32_t i, uint32_t j, double value)
 {
-    uint32_t column = i < j ? i : j;
-    int row = (int)(i < j ? j : i), low = pattern->first[column], high = pattern->first[column + 1] - 1;
-    while (low < high)
-    {
-        int middle = low + (high - low) / 2;
-        if (pattern->row[middle] < row)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    values[low] += value;
+    values[symmetric_pattern_find(pattern->first, pattern->row, i, j)] += value;
 }
 
 // The penalty
@@ -440,25 +427,18 @@ void shell_fit_correct(const shell_fit *fit)
 static bat_status work_make(fit_work *work, bat_error *error)
 {
     const shell_fit *fit = work->fit;
-    bat_status status = list_locals(work, error);
-    if (status == BAT_OK)
-        status = make_pattern(work, error);
-    if (status != BAT_OK)
-        return status;
     fit_system *system = &work->system;
-    size_t entries = (size_t)system->pattern.first[fit->grid->vertex_count];
     system->functions = fit->grid->vertex_count;
     system->dimension = 3;
     system->columns = 3 + FIT_PROBES;
     system->threads = fit->threads;
-    system->gram = memory_array(entries, sizeof *system->gram);
-    system->plate = memory_array(entries, sizeof *system->plate);
-    system->right = memory_array(system->functions, system->columns * sizeof *system->right);
+    bat_status status = list_locals(work, error);
+    if (status == BAT_OK)
+        status = make_pattern(work, error);
     work->point_first = memory_pool_array(&work->pool, fit->grid->quad_count + 2, sizeof *work->point_first);
     work->order = memory_pool_array(&work->pool, fit->count, sizeof *work->order);
-    if (system->gram == NULL || system->plate == NULL || system->right == NULL)
-        return error_memory(error, entries * sizeof *system->gram);
-    status = memory_pool_check(&work->pool, error);
+    if (status == BAT_OK)
+        status = memory_pool_check(&work->pool, error);
     return status == BAT_OK ? fit_solver_make(&system->pattern, &work->solver, error) : status;
 }
 
