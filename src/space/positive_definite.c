@@ -1,4 +1,5 @@
 #include "linalg/symmetric.h"
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <float.h>
@@ -320,10 +321,7 @@ FOR_EVERY_SIDE bool is_positive(size_t n, const double *point)
 
 FOR_EVERY_SIDE double norm_of(size_t n, const double *a)
 {
-    double sum = 0;
-    for (size_t i = 0; i < n * n; i++)
-        sum += a[i] * a[i];
-    return sqrt(sum);
+    return sqrt(vector_square(n * n, a));
 }
 
 /// N = L^-1 (q - p) L^-T
@@ -336,11 +334,22 @@ FOR_EVERY_SIDE void whiten_difference(size_t n, const factor *f, const double *p
     triangle_whiten(n, f->l, f->inverse, whitened);
 }
 
-/// log M by eigenvectors, from N of norm `norm` where that is near, else from q. Its norm is all that `vectors` null leaves.
-FOR_EVERY_SIDE bat_status eigen_logarithm(size_t n, const factor *f, const double *q, double norm, double *m,
-                                          double *vectors, double *logarithms)
+/// log M. For small tensors near to each other it is `m` itself, and `whole` is true; else it comes by eigenvectors, from N
+/// where that is near, else from q. Its norm is all that `vectors` null leaves.
+FOR_EVERY_SIDE bat_status find_logarithm(size_t n, const double *p, const double *q, factor *f, bool *whole, double *m,
+                                         double *vectors, double *logarithms)
 {
+    if (!factorize(n, p, f))
+        return BAT_INVALID_POINT;
+    whiten_difference(n, f, p, q, m);
+    double norm = norm_of(n, m);
     bool near = norm <= NEAR;
+    *whole = n == 3 && near;
+    if (*whole)
+    {
+        small_tensor_log1p(m, norm, m);
+        return BAT_OK;
+    }
     if (!near)
     {
         triangle_unpack(n, q, 1, m);
@@ -362,43 +371,23 @@ FOR_EVERY_SIDE bat_status eigen_logarithm(size_t n, const factor *f, const doubl
 FOR_EVERY_SIDE bat_status distance_of(size_t n, const double *p, const double *q, double *distance)
 {
     factor f;
+    bool whole;
     double m[AREA], logarithms[SIDE];
-    if (!factorize(n, p, &f))
-        return BAT_INVALID_POINT;
-    whiten_difference(n, &f, p, q, m);
-    double norm = norm_of(n, m);
-    if (n == 3 && norm <= NEAR)
-    {
-        small_tensor_log1p(m, norm, m);
-        *distance = norm_of(n, m);
-        return BAT_OK;
-    }
-    bat_status status = eigen_logarithm(n, &f, q, norm, m, NULL, logarithms);
-    if (status != BAT_OK)
-        return status;
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += logarithms[i] * logarithms[i];
-    *distance = sqrt(sum);
-    return BAT_OK;
+    bat_status status = find_logarithm(n, p, q, &f, &whole, m, NULL, logarithms);
+    if (status == BAT_OK)
+        *distance = whole ? norm_of(n, m) : sqrt(vector_square(n, logarithms));
+    return status;
 }
 
 FOR_EVERY_SIDE bat_status log_of(size_t n, const double *p, const double *q, double *tangent)
 {
     factor f;
+    bool whole;
     double m[AREA], vectors[AREA], logarithms[SIDE];
-    if (!factorize(n, p, &f))
-        return BAT_INVALID_POINT;
-    whiten_difference(n, &f, p, q, m);
-    double norm = norm_of(n, m);
-    if (n == 3 && norm <= NEAR)
-    {
-        small_tensor_log1p(m, norm, m);
+    bat_status status = find_logarithm(n, p, q, &f, &whole, m, vectors, logarithms);
+    if (status == BAT_OK && whole)
         triangle_pack(n, m, SQRT2, tangent);
-        return BAT_OK;
-    }
-    bat_status status = eigen_logarithm(n, &f, q, norm, m, vectors, logarithms);
-    if (status == BAT_OK)
+    else if (status == BAT_OK)
         triangle_compose(n, vectors, logarithms, NULL, SQRT2, tangent);
     return status;
 }
@@ -448,21 +437,17 @@ FOR_EVERY_SIDE bat_status exp_of(size_t n, const double *p, const double *tangen
 FOR_EVERY_SIDE bat_status geodesic_of(size_t n, const double *p, const double *q, double t, double *point)
 {
     factor f;
+    bool whole;
     double m[AREA], vectors[AREA], values[SIDE];
-    if (!factorize(n, p, &f))
-        return BAT_INVALID_POINT;
-    whiten_difference(n, &f, p, q, m);
-    double norm = norm_of(n, m);
-    if (n == 3 && norm <= NEAR)
+    bat_status status = find_logarithm(n, p, q, &f, &whole, m, vectors, values);
+    if (status != BAT_OK)
+        return status;
+    if (whole)
     {
-        small_tensor_log1p(m, norm, m);
         for (size_t i = 0; i < n * n; i++)
             m[i] *= t;
         return exp_of_matrix(n, p, &f, m, point);
     }
-    bat_status status = eigen_logarithm(n, &f, q, norm, m, vectors, values);
-    if (status != BAT_OK)
-        return status;
     for (size_t i = 0; i < n; i++)
         values[i] *= t;
     return exp_of_eigenvalues(n, p, &f, vectors, values, point);

@@ -17,17 +17,8 @@ const char *rotation_fault(const bat_space *space BAT_UNUSED, const double *poin
 
 bat_status rotation_project(const bat_space *space BAT_UNUSED, const double *coordinates, double *point)
 {
-    double largest = 0;
-    for (int i = 0; i < 4; i++)
-    {
-        if (!isfinite(coordinates[i]))
-            return BAT_INVALID_POINT;
-        largest = fmax(largest, fabs(coordinates[i]));
-    }
-    if (largest == 0)
+    if (!space_scale(4, coordinates, point))
         return BAT_INVALID_POINT;
-    for (int i = 0; i < 4; i++)
-        point[i] = coordinates[i] / largest;
     quaternion_normalize(point);
     return BAT_OK;
 }

@@ -1,13 +1,11 @@
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <string.h>
 
 const char *space_not_finite(const bat_space *space, const double *point)
 {
-    for (size_t i = 0; i < space->point_dim; i++)
-        if (!isfinite(point[i]))
-            return "not finite";
-    return NULL;
+    return vector_is_finite(space->point_dim, point) ? NULL : "not finite";
 }
 
 bat_status space_project_valid(const bat_space *space, const double *coordinates, double *point)
@@ -18,10 +16,19 @@ bat_status space_project_valid(const bat_space *space, const double *coordinates
     return BAT_OK;
 }
 
+bool space_scale(size_t n, const double *coordinates, double *scaled)
+{
+    double largest = 0;
+    for (size_t i = 0; i < n; i++)
+        largest = fmax(largest, isfinite(coordinates[i]) ? fabs(coordinates[i]) : INFINITY);
+    if (largest == 0 || isinf(largest))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        scaled[i] = coordinates[i] / largest;
+    return true;
+}
+
 double space_inner(const bat_space *space, const double *p BAT_UNUSED, const double *u, const double *v)
 {
-    double sum = 0;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        sum += u[i] * v[i];
-    return sum;
+    return vector_dot(space->tangent_dim, u, v);
 }

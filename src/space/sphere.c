@@ -27,17 +27,8 @@ static const char *fault(const bat_space *space, const double *point)
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
     size_t n = space->point_dim;
-    double largest = 0;
-    for (size_t i = 0; i < n; i++)
-    {
-        if (!isfinite(coordinates[i]))
-            return BAT_INVALID_POINT;
-        largest = fmax(largest, fabs(coordinates[i]));
-    }
-    if (largest == 0)
+    if (!space_scale(n, coordinates, point))
         return BAT_INVALID_POINT;
-    for (size_t i = 0; i < n; i++)
-        point[i] = coordinates[i] / largest;
     double length = sqrt(vector_dot(n, point, point));
     for (size_t i = 0; i < n; i++)
         point[i] /= length;
