@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /// @file
 /// Short vectors. First: places in the plane.
@@ -64,6 +65,13 @@ static inline void vector3_triangle(const double a[3], const double b[3], const 
     vector3_subtract(b, a, u);
     vector3_subtract(c, a, v);
     vector3_cross(u, v, product);
+}
+
+/// The same for three of the points of an array.
+static inline void vector3_face(const double *points, const uint32_t corners[3], double product[3])
+{
+    vector3_triangle(points + 3 * (size_t)corners[0], points + 3 * (size_t)corners[1], points + 3 * (size_t)corners[2],
+                     product);
 }
 
 static inline double vector3_length(const double a[3])

@@ -4,6 +4,8 @@
 #include "linalg/symmetric.h"
 #include "space/quaternion.h"
 
+#include <string.h>
+
 /// How far the squared length of a stored quaternion may be from 1.
 static const double SQUARED_LENGTH_TOLERANCE = 2e-9;
 
@@ -146,8 +148,11 @@ static double determinant(const double *m)
     return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
 }
 
-static void make_scalar_positive(double *quaternion)
+/// Of length 1, its scalar part positive.
+static void take_quaternion(const double *from, double *quaternion)
 {
+    memcpy(quaternion, from, 4 * sizeof *from);
+    quaternion_normalize(quaternion);
     double sign = quaternion[0] < 0 ? -1 : 1;
     for (int i = 0; i < 4; i++)
         quaternion[i] *= sign;
@@ -170,10 +175,7 @@ bat_status bat_rotation_from_matrix(const double *m, double *quaternion, bat_err
     for (int i = 1; i < 4; i++)
         if (outer[i][i] > outer[longest][longest])
             longest = i;
-    for (int i = 0; i < 4; i++)
-        quaternion[i] = outer[longest][i];
-    quaternion_normalize(quaternion);
-    make_scalar_positive(quaternion);
+    take_quaternion(outer[longest], quaternion);
     return BAT_OK;
 }
 
@@ -202,10 +204,7 @@ bat_status bat_rotation_nearest(const double *matrix, double *quaternion, bat_er
             second = fmax(second, k[5 * i]);
     if (!(k[5 * first] - second > MIN_GAP))
         return matrix_fault(error, "equally near to several rotations");
-    for (int i = 0; i < 4; i++)
-        quaternion[i] = vectors[4 * first + i];
-    quaternion_normalize(quaternion);
-    make_scalar_positive(quaternion);
+    take_quaternion(vectors + 4 * (size_t)first, quaternion);
     return BAT_OK;
 }
 

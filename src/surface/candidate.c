@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "linalg/vector.h"
 #include "surface/fit/points.h"
+#include "surface/parameterize/weights.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,11 +97,6 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary,
     return BAT_OK;
 }
 
-static bool has_faults(const bat_cloud_parameters_report *report)
-{
-    return report->folded + report->outside + report->coincident > 0;
-}
-
 /// Reject parameters with more than a quarter of the interior folded: repair would replace most of them by averages.
 static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters_report *folds, bat_error *error)
 {
@@ -128,7 +124,7 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO && !options->trim)
         status = check_folds(cloud, &candidate->report.folds, &failure);
     if (status == BAT_OK && options->repair && kind < BAT_SURFACE_PARAMETERS_ISOMETRIC &&
-        has_faults(&candidate->report.folds))
+        fault_count(&candidate->report.folds) > 0)
         status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
     return record_failure(status, &failure, candidate, error);
 }
@@ -199,8 +195,8 @@ static bat_status median_squared(const double *distances, size_t count, double *
     if (sorted == NULL)
         return error_memory(error, count * sizeof *sorted);
     memcpy(sorted, distances, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, ascending);
-    *median = sorted[count / 2] * sorted[count / 2];
+    *median = sort_median(sorted, count);
+    *median *= *median;
     free(sorted);
     return BAT_OK;
 }
@@ -272,24 +268,17 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
     return record_failure(status, &failure, candidate, error);
 }
 
-/// A random sample of a cloud's points with their parameters, boundary points first.
-typedef struct cloud_sample
-{
-    memory_pool pool;
-    double *points, *parameters;
-    size_t count, boundary_count;
-} cloud_sample;
-
-/// Select each point with probability wanted / count. A random choice is needed because the order of points in a file may
-/// follow scan lines. The boundary is sampled at the same rate.
-static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, size_t wanted, cloud_sample *sample,
-                              bat_error *error)
+/// Take a random sample of a cloud's points with their parameters, boundary points first: select each point with probability
+/// wanted / count. A random choice is needed because the order of points in a file may follow scan lines. The boundary is
+/// sampled at the same rate.
+static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, size_t wanted, memory_pool *pool,
+                              bat_surface_fit_data *sample, bat_error *error)
 {
     bat_random random = bat_random_seed(1);
-    *sample = (cloud_sample){0};
-    sample->points = memory_pool_array(&sample->pool, cloud->count, 3 * sizeof(double));
-    sample->parameters = memory_pool_array(&sample->pool, cloud->count, 2 * sizeof(double));
-    bat_status status = memory_pool_check(&sample->pool, error);
+    double *points = memory_pool_array(pool, cloud->count, 3 * sizeof *points);
+    sample->points = points;
+    sample->parameters = memory_pool_array(pool, cloud->count, 2 * sizeof *sample->parameters);
+    bat_status status = memory_pool_check(pool, error);
     if (status != BAT_OK)
         return status;
     double share = (double)wanted / (double)cloud->count;
@@ -297,7 +286,7 @@ static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, 
     {
         if (bat_random_uniform(&random) >= share)
             continue;
-        memcpy(sample->points + 3 * sample->count, cloud->points + 3 * i, 3 * sizeof *sample->points);
+        memcpy(points + 3 * sample->count, cloud->points + 3 * i, 3 * sizeof *points);
         memcpy(sample->parameters + 2 * sample->count, parameters + 2 * i, 2 * sizeof *sample->parameters);
         sample->count++;
         sample->boundary_count += i < cloud->boundary_count;
@@ -309,28 +298,22 @@ bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surfac
                                         bool border, size_t points, surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
-    cloud_sample sample;
+    memory_pool pool = {0};
+    bat_surface_fit_data data = {.dimension = 3, .slides = slides, .border = border};
     bat_surface_fit_options trial = *options;
     bat_spline_surface surface = {0};
     bat_surface_fit_report fit = {0};
-    bat_status status = draw_sample(cloud, candidate->parameters, points, &sample, &failure);
-    size_t maximum = sample.count / POINTS_PER_FUNCTION;
+    bat_status status = draw_sample(cloud, candidate->parameters, points, &pool, &data, &failure);
+    size_t maximum = data.count / POINTS_PER_FUNCTION;
     if (trial.functions == 0 || trial.functions > maximum)
         trial.functions = maximum;
-    bat_surface_fit_data data = {.points = sample.points,
-                                 .parameters = sample.parameters,
-                                 .count = sample.count,
-                                 .dimension = 3,
-                                 .boundary_count = sample.boundary_count,
-                                 .slides = slides,
-                                 .border = border};
     if (status == BAT_OK)
         status = bat_surface_fit(&data, &trial, &surface, &fit, &failure);
     if (status == BAT_OK)
         status = record_metrics(&data, options, &surface, &fit, &candidate->report, &failure);
     bat_spline_surface_free(&surface);
     bat_surface_fit_report_free(&fit);
-    memory_pool_free(&sample.pool);
+    memory_pool_free(&pool);
     return record_failure(status, &failure, candidate, error);
 }
 

@@ -164,12 +164,6 @@ static bat_status measure_points(cloud_geometry *geometry, int threads, bat_prog
     return complete ? BAT_OK : error_memory(error, count * 2 * sizeof(double));
 }
 
-static void cross_of(const bat_cloud *cloud, const uint32_t corners[3], double product[3])
-{
-    vector3_triangle(cloud->points + 3 * (size_t)corners[0], cloud->points + 3 * (size_t)corners[1],
-                     cloud->points + 3 * (size_t)corners[2], product);
-}
-
 /// Take tangent planes and areas from the triangles of a mesh: where sheets are near each other, neighbours in space are not
 /// neighbours in the surface. Normals are means over neighbours, so that noise does not tilt them.
 static bat_status measure_triangles(cloud_geometry *geometry, bat_error *error)
@@ -188,7 +182,7 @@ static bat_status measure_triangles(cloud_geometry *geometry, bat_error *error)
             const uint32_t *corners = cloud->triangles + 3 * t;
             double normal[3] = {0};
             if (round == 0)
-                cross_of(cloud, corners, normal);
+                vector3_face(cloud->points, corners, normal);
             for (size_t k = 0; k < 9 && round > 0; k++)
                 normal[k % 3] += normals[3 * (size_t)corners[k / 3] + k % 3];
             for (size_t k = 0; k < 9; k++)
@@ -209,7 +203,7 @@ static bat_status measure_triangles(cloud_geometry *geometry, bat_error *error)
     for (size_t t = 0; t < cloud->triangle_count; t++)
     {
         double normal[3];
-        cross_of(cloud, cloud->triangles + 3 * t, normal);
+        vector3_face(cloud->points, cloud->triangles + 3 * t, normal);
         for (size_t k = 0; k < 3; k++)
             geometry->area += fabs(vector3_dot(normal, normals + 3 * (size_t)cloud->triangles[3 * t + k])) / 6;
     }

@@ -115,8 +115,7 @@ bat_status diagnose_sheets(const double *points, const nearest_tree *tree, doubl
     neighbour_list_free(&near);
     if (status != BAT_OK || made == 0)
         return status;
-    qsort(kurtoses, made, sizeof *kurtoses, ascending);
-    if (kurtoses[made / 2] > MAX_KURTOSIS)
+    if (sort_median(kurtoses, made) > MAX_KURTOSIS)
         return BAT_OK;
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                      "the points lie on two sheets, about %.3g apart; leave one out, or give the boundary to fit "
@@ -240,8 +239,7 @@ static bat_status measure_scatter(const piece_graph *graph, uint32_t root, doubl
         ratios[made++] = plane.variance[1] > 0 ? plane.variance[2] / plane.variance[1] : 0;
     }
     neighbour_list_free(&near);
-    qsort(ratios, made, sizeof *ratios, ascending);
-    *ratio = made > 0 ? ratios[made / 2] : 0;
+    *ratio = made > 0 ? sort_median(ratios, made) : 0;
     return status;
 }
 

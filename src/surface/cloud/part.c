@@ -177,10 +177,8 @@ static bat_status measure(const double *points, const nearest_tree *tree, double
         distances[made++] = sqrt(near.entries[near.count > 1 ? 1 : 0].squared);
     }
     neighbour_list_free(&near);
-    qsort(ratios, made, sizeof *ratios, ascending);
-    qsort(distances, made, sizeof *distances, ascending);
-    *ratio = made > 0 ? ratios[made / 2] : 1;
-    *nearest = made > 0 ? distances[made / 2] : 0;
+    *ratio = made > 0 ? sort_median(ratios, made) : 1;
+    *nearest = made > 0 ? sort_median(distances, made) : 0;
     return status;
 }
 
@@ -197,8 +195,7 @@ static bat_status has_discs(const double *points, const nearest_tree *tree, doub
         counts[made++] = (double)near.count;
     }
     neighbour_list_free(&near);
-    qsort(counts, made, sizeof *counts, ascending);
-    *discs = made > 0 && counts[made / 2] >= DISC_POINTS;
+    *discs = made > 0 && sort_median(counts, made) >= DISC_POINTS;
     return status;
 }
 

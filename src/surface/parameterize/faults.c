@@ -42,8 +42,7 @@ static bat_status fold_finder_make(const bat_cloud *cloud, fold_finder *finder, 
     return status;
 }
 
-/// Twice the signed area enclosed by the boundary parameters.
-static double boundary_area(const bat_cloud *cloud, const double *parameters)
+double boundary_area(const bat_cloud *cloud, const double *parameters)
 {
     size_t count = cloud->boundary_count;
     double area = 0;
@@ -393,7 +392,7 @@ static bat_status repair_make(const fold_finder *finder, repair *work, bat_error
     return status;
 }
 
-static size_t fault_count(const bat_cloud_parameters_report *report)
+size_t fault_count(const bat_cloud_parameters_report *report)
 {
     return report->folded + report->outside + report->coincident;
 }

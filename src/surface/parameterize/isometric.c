@@ -216,12 +216,7 @@ static bat_status gather_mesh(const bat_cloud *cloud, const double *parameters, 
 {
     bat_cloud *part = &problem->part;
     chord_split split = {.cloud = cloud};
-    double turn = 0;
-    for (size_t i = 0; i < cloud->boundary_count; i++)
-    {
-        const double *a = parameters + 2 * i, *b = parameters + 2 * ((i + 1) % cloud->boundary_count);
-        turn += a[0] * b[1] - a[1] * b[0];
-    }
+    double turn = boundary_area(cloud, parameters);
     for (size_t h = 0; h < 3 * cloud->triangle_count; h++)
     {
         uint32_t a = cloud->triangles[h], b = cloud->triangles[h / 3 * 3 + (h + 1) % 3];

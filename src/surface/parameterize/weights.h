@@ -98,6 +98,12 @@ double weights_longest_side(const bat_cloud *cloud);
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status boundary_parameters_check(const bat_cloud *cloud, const double *boundary, bat_error *error);
 
+/// Twice the signed area that the boundary parameters enclose.
+double boundary_area(const bat_cloud *cloud, const double *parameters);
+
+/// Points that are folded, outside or coincident.
+size_t fault_count(const bat_cloud_parameters_report *report);
+
 /// Solve for some interior points.
 /// @param rows       weights from weights_build(), with every point connected to the boundary
 /// @param moved      count: the points to solve for, none on the boundary; null for the whole interior

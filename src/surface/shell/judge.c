@@ -171,11 +171,9 @@ static bat_status measure_growth(const shell_fit *fit, double rms, double *growt
     }
     neighbour_list_free(&near);
     nearest_free(&tree);
-    if (status != BAT_OK)
-        return status;
-    qsort(ratios, GROWTH_PLACES, sizeof *ratios, ascending);
-    *growth = ratios[GROWTH_PLACES / 2];
-    return BAT_OK;
+    if (status == BAT_OK)
+        *growth = sort_median(ratios, GROWTH_PLACES);
+    return status;
 }
 
 bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat_mesh *mesh, bat_shell_report *report,

@@ -58,12 +58,6 @@ static double angle_at(const double *a, const double *b, const double *c)
     return vector3_angle(p, q);
 }
 
-static void normal_of(const bat_mesh *mesh, uint32_t face, double normal[3])
-{
-    const double *a = corner_of(mesh, 3 * face);
-    vector3_triangle(a, corner_of(mesh, 3 * face + 1), corner_of(mesh, 3 * face + 2), normal);
-}
-
 /// The cost of joining the triangles on both sides of an edge.
 static double cost_of_pair(const bat_mesh *mesh, uint32_t h, uint32_t twin)
 {
@@ -74,8 +68,8 @@ static double cost_of_pair(const bat_mesh *mesh, uint32_t h, uint32_t twin)
     double worst = 0, p[3], q[3];
     for (int k = 0; k < 4; k++)
         worst = fmax(worst, fabs(angles[k] - PI / 2));
-    normal_of(mesh, h / 3, p);
-    normal_of(mesh, twin / 3, q);
+    vector3_face(mesh->positions, mesh->faces + h / 3 * 3, p);
+    vector3_face(mesh->positions, mesh->faces + twin / 3 * 3, q);
     return worst + BEND_COST * vector3_angle(p, q);
 }
 

@@ -137,9 +137,7 @@ static bat_status sample_mesh(shell_work *work, bat_error *error)
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         double normal[3];
-        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
-        vector3_triangle(a, mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1],
-                         mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], normal);
+        vector3_face(mesh->positions, mesh->faces + 3 * f, normal);
         sums[f + 1] = sums[f] + vector3_length(normal);
     }
     work->report.spacing = sqrt(sums[mesh->face_count] / 2 / (double)count);

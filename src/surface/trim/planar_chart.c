@@ -221,10 +221,9 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
     for (size_t k = 0; k < 3 * work->node_count; k++)
         mean[k % 3] += work->positions[k] / (double)work->node_count;
     neighbour_list near = {0};
-    memory_pool pool = {0};
-    uint32_t *queue = memory_pool_array(&pool, work->node_count, sizeof *queue);
-    bool *reached = memory_pool_zeros(&pool, work->node_count, sizeof *reached);
-    bat_status status = memory_pool_check(&pool, error);
+    uint32_t *queue = memory_pool_array(&work->pool, work->node_count, sizeof *queue);
+    bool *reached = memory_pool_zeros(&work->pool, work->node_count, sizeof *reached);
+    bat_status status = memory_pool_check(&work->pool, error);
     if (status == BAT_OK)
         status = neighbours_nearest(&work->tree, mean, 1, &near, error);
     size_t head = 0, tail = 0;
@@ -254,7 +253,6 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
                            "the cloud has several pieces, the largest of about %.0f %% of the points; give each alone",
                            100 * fmax((double)tail, (double)(work->node_count - tail)) / (double)work->node_count);
     neighbour_list_free(&near);
-    memory_pool_free(&pool);
     return status;
 }
 
@@ -262,11 +260,10 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
 static bat_status make_solver(unrolling *work, bat_error *error)
 {
     size_t count = work->node_count - 1, links = work->first[work->node_count], made = 0;
-    memory_pool pool = {0};
-    int *first = memory_pool_array(&pool, count + 1, sizeof *first);
-    int *row = memory_pool_array(&pool, links + count, sizeof *row);
-    double *values = memory_pool_array(&pool, links + count, sizeof *values), pivot = 0;
-    bat_status status = memory_pool_check(&pool, error);
+    int *first = memory_pool_array(&work->pool, count + 1, sizeof *first);
+    int *row = memory_pool_array(&work->pool, links + count, sizeof *row);
+    double *values = memory_pool_array(&work->pool, links + count, sizeof *values), pivot = 0;
+    bat_status status = memory_pool_check(&work->pool, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         first[i] = (int)made;
@@ -289,7 +286,6 @@ static bat_status make_solver(unrolling *work, bat_error *error)
         status = multifrontal_factor(work->solver, values, NULL, &pivot, error);
     if (status == BAT_OK && !(pivot > 0))
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the chart of the cloud is singular");
-    memory_pool_free(&pool);
     return status;
 }
 
@@ -346,14 +342,13 @@ static double solve_rotations(unrolling *work)
 
 static bat_status unroll(unrolling *work, bat_error *error)
 {
-    double *right = memory_array(work->node_count, sizeof *right), change = INFINITY;
-    bat_status status = right == NULL ? error_memory(error, work->node_count * sizeof *right) : BAT_OK;
+    double *right = memory_pool_array(&work->pool, work->node_count, sizeof *right), change = INFINITY;
+    bat_status status = memory_pool_check(&work->pool, error);
     for (int round = 0; round < ROUNDS && change > MIN_TURN && status == BAT_OK; round++)
     {
         status = solve_places(work, right, error);
         change = solve_rotations(work);
     }
-    free(right);
     return status;
 }
 
@@ -517,12 +512,10 @@ bat_status planar_chart_make(const cloud_geometry *geometry, double margin, plan
     if (chart->places == NULL)
         return error_memory(error, count * sizeof *chart->places);
     bat_status status = local_plane_fit_all(geometry->order.cloud.points, count, &plane, error);
-    if (status == BAT_OK && plane.variance[2] <= FLAT * FLAT * plane.variance[1])
-    {
+    bool flat = status == BAT_OK && plane.variance[2] <= FLAT * FLAT * plane.variance[1];
+    if (flat)
         set_direction(plane.axes[2], chart->direction);
-        project(geometry, chart->direction, chart->places);
-    }
-    else if (status == BAT_OK && find_direction(geometry, chart->direction))
+    if (flat || (status == BAT_OK && find_direction(geometry, chart->direction)))
         project(geometry, chart->direction, chart->places);
     else if (status == BAT_OK)
     {
