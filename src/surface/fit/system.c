@@ -146,13 +146,6 @@ static bat_status make_pattern(fit_system *system, bat_error *error)
     return status;
 }
 
-static void pattern_free(fit_pattern *pattern)
-{
-    free(pattern->first);
-    free(pattern->row);
-    *pattern = (fit_pattern){0};
-}
-
 /// The contributions of a batch of cells, stored one after another.
 typedef struct batch
 {
