@@ -1,6 +1,6 @@
 #pragma once
 
-#include "batten/base.h"
+#include "base/error.h"
 
 #include <time.h>
 
@@ -35,4 +35,11 @@ static inline bat_progress progress_of_part(progress_part *part)
 static inline bool progress_goes_on(bat_progress progress, double fraction)
 {
     return progress.report == NULL || progress.report(progress.context, fraction);
+}
+
+/// The same; BAT_OK or BAT_CANCELLED.
+static inline bat_status progress_check(bat_progress progress, double fraction, bat_error *error)
+{
+    bool stops = !progress_goes_on(progress, fraction);
+    return stops ? error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped") : BAT_OK;
 }

@@ -26,34 +26,21 @@ typedef struct analysis
     size_t *zeros;         ///< entries of each front that are not in the factor's columns
     size_t *earlier_first; ///< count + 1
     int *earlier;          ///< neighbours at earlier places, of each place
+    memory_pool pool;      ///< of all arrays
 } analysis;
-
-static void analysis_free(analysis *work)
-{
-    free(work->order);
-    free(work->zeros);
-    free(work->earlier);
-}
 
 static bat_status analysis_make(const symmetric_pattern *pattern, analysis *work, bat_error *error)
 {
-    enum
-    {
-        ARRAYS = 10
-    };
-    size_t count = pattern->count, entries = (size_t)pattern->first[count];
-    *work = (analysis){.count = count,
-                       .order = memory_array(count, ARRAYS * sizeof(int)),
-                       .zeros = memory_array(2 * count + 1, sizeof(size_t)),
-                       .earlier = memory_array(entries, sizeof(int))};
-    if (work->order == NULL || work->zeros == NULL || work->earlier == NULL)
-        return error_memory(error, count * ARRAYS * sizeof(int) + entries * sizeof(int));
-    int **arrays[ARRAYS] = {&work->order, &work->place,  &work->parent, &work->below, &work->front,
-                            &work->width, &work->number, &work->head,   &work->next,  &work->stack};
-    for (size_t k = 1; k < ARRAYS; k++)
-        *arrays[k] = work->order + k * count;
-    work->earlier_first = work->zeros + count;
-    return BAT_OK;
+    size_t count = pattern->count;
+    *work = (analysis){.count = count};
+    int **arrays[] = {&work->order, &work->place,  &work->parent, &work->below, &work->front,
+                      &work->width, &work->number, &work->head,   &work->next,  &work->stack};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        *arrays[k] = memory_pool_array(&work->pool, count, sizeof(int));
+    work->zeros = memory_pool_array(&work->pool, count, sizeof *work->zeros);
+    work->earlier_first = memory_pool_array(&work->pool, count + 1, sizeof *work->earlier_first);
+    work->earlier = memory_pool_array(&work->pool, (size_t)pattern->first[count], sizeof *work->earlier);
+    return memory_pool_check(&work->pool, error);
 }
 
 static bat_status order_unknowns(const symmetric_pattern *pattern, analysis *work, bat_error *error)
@@ -376,6 +363,6 @@ bat_status front_tree_make(const symmetric_pattern *pattern, front_tree *tree, b
     }
     if (status != BAT_OK)
         front_tree_free(tree);
-    analysis_free(&work);
+    memory_pool_free(&work.pool);
     return status;
 }

@@ -337,8 +337,8 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, &options,
                                                work->kinds[number], candidate, error);
     candidate->trimming = work->options->trim ? &work->trimming : NULL;
-    if (status == BAT_OK && !progress_goes_on(fit.progress, 0))
-        status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    if (status == BAT_OK)
+        status = progress_check(fit.progress, 0, error);
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
         status = all || has_part
                      ? surface_candidate_fit(cloud, &work->geometry, &fit, slides, border, candidate, error)
@@ -417,8 +417,7 @@ static bat_status fit_kinds(reconstruction *work, bat_error *error)
         if (status != BAT_OK || !is_at_noise(work, &work->candidates[i].report))
             continue;
         work->kind_count = i + 1;
-        if (!progress_goes_on(work->options->fit.progress, 1))
-            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+        status = progress_check(work->options->fit.progress, 1, error);
     }
     if (status != BAT_OK)
         return status;
@@ -549,8 +548,8 @@ bat_status reconstruction_find(reconstruction *work, bat_error *error)
         list_kinds(work);
         status = take_part(work, error);
     }
-    if (status == BAT_OK && !progress_goes_on(work->options->fit.progress, SURFACE_PREPARE_SHARE))
-        status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    if (status == BAT_OK)
+        status = progress_check(work->options->fit.progress, SURFACE_PREPARE_SHARE, error);
     if (status == BAT_OK)
         status = cloud_geometry_make(parameterized(work), work->options->fit.threads, progress_of_part(&prepare_part),
                                      &work->geometry, error);

@@ -351,7 +351,7 @@ static bat_status measure_samples(const cloud_geometry *geometry, int threads, s
 
 static bat_status judge_check(const bat_surface_fit_options *options, bat_error *error)
 {
-    return progress_goes_on(options->progress, 1) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    return progress_check(options->progress, 1, error);
 }
 
 typedef struct weighted_distance

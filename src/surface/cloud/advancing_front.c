@@ -88,6 +88,7 @@ typedef struct front_candidate
 
 typedef struct front
 {
+    memory_pool pool; ///< of the arrays that do not grow
     const double *points;
     size_t count;
     double *spacing; ///< count
@@ -110,12 +111,8 @@ typedef struct front
 
 static void front_free(front *work)
 {
-    free(work->spacing);
-    free(work->triangles);
-    free(work->sides);
+    memory_pool_free(&work->pool);
     free(work->edges);
-    free(work->first_out);
-    free(work->used);
     key_map_free(&work->uses);
     free(work->queue);
     free(work->faces);
@@ -205,8 +202,8 @@ static bat_status gather_triangles(front *work, const simplices *tetrahedra, bat
     static const int SIDES[4][4] = {{1, 2, 3, 0}, {0, 2, 3, 1}, {0, 1, 3, 2}, {0, 1, 2, 3}};
     size_t count = 4 * tetrahedra->count;
     tetrahedron_side *all = memory_array(count, sizeof *all);
-    work->triangles = memory_array(count, sizeof *work->triangles);
-    work->sides = memory_array(count, 3 * sizeof *work->sides);
+    work->triangles = memory_pool_array(&work->pool, count, sizeof *work->triangles);
+    work->sides = memory_pool_array(&work->pool, count, 3 * sizeof *work->sides);
     if (all == NULL || work->triangles == NULL || work->sides == NULL)
     {
         free(all);
@@ -906,12 +903,12 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
     simplices tetrahedra = {0};
     work->points = points;
     work->count = count;
-    work->spacing = memory_array(count, sizeof *work->spacing);
-    work->first_out = memory_array(count, sizeof *work->first_out);
-    work->used = calloc(count + 1, sizeof *work->used);
-    if (work->spacing == NULL || work->first_out == NULL || work->used == NULL)
-        return error_memory(error, count * sizeof *work->spacing);
-    bat_status status = neighbours_build(points, count, &tree, error);
+    work->spacing = memory_pool_array(&work->pool, count, sizeof *work->spacing);
+    work->first_out = memory_pool_array(&work->pool, count, sizeof *work->first_out);
+    work->used = memory_pool_zeros(&work->pool, count, sizeof *work->used);
+    bat_status status = memory_pool_check(&work->pool, error);
+    if (status == BAT_OK)
+        status = neighbours_build(points, count, &tree, error);
     if (status == BAT_OK)
         status = measure_spacing(work, &tree, error);
     if (status == BAT_OK)

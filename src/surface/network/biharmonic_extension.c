@@ -126,13 +126,11 @@ bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *bound
 {
     size_t loop = cloud->boundary_count, step = (loop + MAX_CENTRES - 1) / MAX_CENTRES, count = (loop + step - 1) / step;
     biharmonic_extension made = {.count = count};
-    made.centres = memory_array(count, 3 * sizeof *made.centres);
-    made.weights = memory_array(count + AFFINE_TERMS, 2 * sizeof *made.weights);
-    double *scratch = memory_array(loop, sizeof *scratch);
-    bat_status status = BAT_OK;
-    if (made.centres == NULL || made.weights == NULL || scratch == NULL)
-        status = error_memory(error, count * 3 * sizeof *made.centres);
-    else
+    made.centres = memory_pool_array(&made.pool, count, 3 * sizeof *made.centres);
+    made.weights = memory_pool_array(&made.pool, count + AFFINE_TERMS, 2 * sizeof *made.weights);
+    double *scratch = memory_pool_array(&made.pool, loop, sizeof *scratch);
+    bat_status status = memory_pool_check(&made.pool, error);
+    if (status == BAT_OK)
     {
         for (size_t i = 0; i < 3 * loop; i++)
             made.middle[i % 3] += cloud->points[i] / (double)loop;
@@ -144,7 +142,6 @@ bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *bound
         made.noise = loop_noise(cloud, scratch);
         status = solve(&made, MIN_LAMBDA + NOISE_WEIGHT * made.noise, error);
     }
-    free(scratch);
     if (status == BAT_OK)
         *extension = made;
     else
@@ -154,8 +151,7 @@ bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *bound
 
 void biharmonic_extension_free(biharmonic_extension *extension)
 {
-    free(extension->centres);
-    free(extension->weights);
+    memory_pool_free(&extension->pool);
     *extension = (biharmonic_extension){0};
 }
 

@@ -89,6 +89,7 @@ bool polynomial_patch_features(const polynomial_patch *descriptor, double *featu
 /// The spline f.
 typedef struct biharmonic_extension
 {
+    memory_pool pool;
     double *centres; ///< count x 3: the x_k, relative to `middle`
     double *weights; ///< (count + 4) x 2: w, a, B
     size_t count;

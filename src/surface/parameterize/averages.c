@@ -249,12 +249,9 @@ bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, bat_progr
         memcpy(next, parameters, 2 * cloud->count * sizeof *next);
     for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
     {
-        if (!progress_goes_on(progress, (double)round / MAX_ROUNDS))
-        {
-            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-            break;
-        }
-        status = reweight_and_solve(cloud, rows, MIN_STRETCH * energy, stretch, next, &reduced, error);
+        status = progress_check(progress, (double)round / MAX_ROUNDS, error);
+        if (status == BAT_OK)
+            status = reweight_and_solve(cloud, rows, MIN_STRETCH * energy, stretch, next, &reduced, error);
         if (status != BAT_OK || !(reduced < (1 - MIN_REDUCTION) * energy))
             break;
         energy = reduced;

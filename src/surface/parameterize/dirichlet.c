@@ -397,11 +397,6 @@ static bat_status run_round(dirichlet_map *map, double *gradient, double energy,
     return status;
 }
 
-static bat_status tell_stopped(bat_error *error)
-{
-    return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-}
-
 /// Rounds from the triangles in space.
 static bat_status run_rounds(dirichlet_map *map, bat_progress progress, double *gradient, bat_error *error)
 {
@@ -409,9 +404,9 @@ static bat_status run_rounds(dirichlet_map *map, bat_progress progress, double *
     for (int round = 0; round < MAX_ROUNDS && isfinite(energy); round++)
     {
         double reached;
-        if (!progress_goes_on(progress, (double)round / MAX_ROUNDS))
-            return tell_stopped(error);
-        bat_status status = run_round(map, gradient, energy, &reached, error);
+        bat_status status = progress_check(progress, (double)round / MAX_ROUNDS, error);
+        if (status == BAT_OK)
+            status = run_round(map, gradient, energy, &reached, error);
         if (status != BAT_OK || reached > (1 - MIN_DECREASE) * energy)
             return status;
         energy = reached;
@@ -491,9 +486,9 @@ static bat_status run_near_rounds(dirichlet_map *map, bat_progress progress, dou
     for (int round = 0; round < MAX_NEAR_ROUNDS && status == BAT_OK && gains && bring_near(map, rest); round++)
     {
         double energy = dirichlet_energy(map, map->parameters), reached = energy;
-        status = progress_goes_on(progress, (double)round / MAX_NEAR_ROUNDS)
-                     ? run_round(map, gradient, energy, &reached, error)
-                     : tell_stopped(error);
+        status = progress_check(progress, (double)round / MAX_NEAR_ROUNDS, error);
+        if (status == BAT_OK)
+            status = run_round(map, gradient, energy, &reached, error);
         gains = status == BAT_OK && reached < (1 - MIN_NEAR_DECREASE) * energy;
     }
     memcpy(map->triangles, rest, bytes);

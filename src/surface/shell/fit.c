@@ -8,6 +8,7 @@
 
 #include "surface/shell/shell.h"
 
+#include "base/counting_sort.h"
 #include "base/error.h"
 #include "base/progress.h"
 #include "base/threads.h"
@@ -276,17 +277,9 @@ static void fill_plate(fit_work *work)
 
 // The points
 
-static void sort_points(fit_work *work)
+static size_t face_of(const void *context, uint32_t point)
 {
-    const shell_fit *fit = work->fit;
-    size_t quads = fit->grid->quad_count;
-    memset(work->point_first, 0, (quads + 2) * sizeof *work->point_first);
-    for (size_t i = 0; i < fit->count; i++)
-        work->point_first[fit->places[i].face + 2]++;
-    for (size_t q = 0; q < quads; q++)
-        work->point_first[q + 2] += work->point_first[q + 1];
-    for (size_t i = 0; i < fit->count; i++)
-        work->order[work->point_first[fit->places[i].face + 1]++] = (uint32_t)i;
+    return ((const shell_fit *)context)->places[point].face;
 }
 
 /// Where the noise of a curved surface has its mean: noise that is the same in all directions moves the mean of the points
@@ -435,7 +428,7 @@ static bat_status work_make(fit_work *work, bat_error *error)
     bat_status status = list_locals(work, error);
     if (status == BAT_OK)
         status = make_pattern(work, error);
-    work->point_first = memory_pool_array(&work->pool, fit->grid->quad_count + 2, sizeof *work->point_first);
+    work->point_first = memory_pool_array(&work->pool, fit->grid->quad_count + 1, sizeof *work->point_first);
     work->order = memory_pool_array(&work->pool, fit->count, sizeof *work->order);
     if (status == BAT_OK)
         status = memory_pool_check(&work->pool, error);
@@ -467,7 +460,7 @@ static void stiffen(const shell_fit *fit)
 static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
 {
     shell_fit *fit = work->fit;
-    sort_points(work);
+    counting_sort(NULL, fit->count, face_of, fit, fit->grid->quad_count, work->point_first, work->order);
     fill_plate(work);
     gather(work);
     const fit_weight_search search = {.smoothing = BAT_SURFACE_SMOOTHING_LIKELIHOOD,
