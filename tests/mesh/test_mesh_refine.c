@@ -35,11 +35,11 @@ static void check_split_links(const bat_mesh *mesh, int threads)
 {
     bat_mesh_connectivity links, split, found;
     assert_int_equal(bat_mesh_connect(mesh, &links, NULL), BAT_OK);
-    assert_int_equal(split_links(&links, threads, &split, NULL), BAT_OK);
+    assert_int_equal(split_links(NULL, &links, threads, &split, NULL), BAT_OK);
     bat_mesh fine = {.vertex_count = split.vertex_count, .face_count = split.face_count};
     fine.faces = calloc(fine.face_count, 3 * sizeof *fine.faces);
     assert_non_null(fine.faces);
-    split_faces(mesh->faces, &links, threads, fine.faces);
+    split_faces(NULL, mesh->faces, &links, threads, fine.faces);
     assert_int_equal(bat_mesh_connect(&fine, &found, NULL), BAT_OK);
     check_same_links(&split, &found);
     bat_mesh_connectivity_free(&links);

@@ -112,9 +112,11 @@ static bat_status set_texture(const bat_mesh *mesh, const collapse_mesh *topolog
 {
     double space, texture;
     field->owner = memory_pool_array(pool, mesh->face_count, 3 * sizeof *field->owner);
-    if (field->owner != NULL)
-        find_sectors(mesh, topology, field);
-    bat_status status = allocate(field, field->owner_count, 2, pool, error);
+    bat_status status = memory_pool_check(pool, error);
+    if (status != BAT_OK)
+        return status;
+    find_sectors(mesh, topology, field);
+    status = allocate(field, field->owner_count, 2, pool, error);
     if (status != BAT_OK)
         return status;
     measure_areas(mesh, &space, &texture);

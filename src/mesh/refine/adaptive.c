@@ -83,7 +83,7 @@ static uint32_t add_vertex(adaptive_work *work, const double *position, const do
         (dim > 0 && !ARRAY_GROW(work->channels, work->channel_capacity, dim * (n + 1))))
         return BAT_MESH_NONE;
     memcpy(work->positions + 3 * n, position, 3 * sizeof *position);
-    if (dim > 0)
+    if (dim > 0 && channels != NULL)
         memcpy(work->channels + dim * n, channels, dim * sizeof *channels);
     work->vertex_count++;
     return (uint32_t)n;

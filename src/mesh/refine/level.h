@@ -157,12 +157,22 @@ static inline bool mesh_at_boundary(const bat_mesh_connectivity *links, uint32_t
 // the near half of h, an inner edge, and the far half of the previous half-edge. Child face 4 f + 3 holds the other sides
 // of the inner edges.
 
-/// Write the 4 x face_count child faces of `faces`.
-void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, uint32_t *fine);
+// Faces of any number of corners split into quads, one for each corner. The next connectivity follows by arithmetic.
+//
+// Corner h becomes quad h: that corner, the vertex on the edge from it, the vertex of the face, and the vertex on the edge
+// towards it. New vertices of edges follow the old vertices, those of faces follow these. So half-edge h is split into 4 h
+// and 4 next(h) + 3; 4 h + 1 and 4 next(h) + 2 are the two sides of the inner edge between them.
 
-/// Compute the split mesh's connectivity, equal to that of bat_mesh_connect(), with `first` where `links` has it.
+/// Write the 4 x face_count child faces of `faces` or, of polygons, one quad for each corner.
+/// @param polygons null: triangles that become triangles
+/// @param faces    the vertices at the corners, or the texture coordinates with their own links
+void split_faces(const mesh_sides *polygons, const uint32_t *faces, const bat_mesh_connectivity *links, int threads,
+                 uint32_t *fine);
+
+/// Compute the split mesh's connectivity, equal to that of sides_connect(), with `first` where `links` has it.
 /// @return BAT_OK or BAT_NO_MEMORY; `fine` is untouched on failure
-bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine, bat_error *error);
+bat_status split_links(const mesh_sides *polygons, const bat_mesh_connectivity *links, int threads,
+                       bat_mesh_connectivity *fine, bat_error *error);
 
 /// Triangles and their connectivity.
 typedef struct split_mesh
@@ -188,19 +198,3 @@ static inline uint32_t split_far(uint32_t half_edge)
 {
     return half_edge / 3 * 12 + bat_mesh_next(half_edge) % 3 * 3 + 2;
 }
-
-// Faces of any number of corners split into quads, one for each corner. The next connectivity follows by arithmetic.
-//
-// Corner h becomes quad h: that corner, the vertex on the edge from it, the vertex of the face, and the vertex on the edge
-// towards it. New vertices of edges follow the old vertices, those of faces follow these. So half-edge h is split into 4 h
-// and 4 next(h) + 3; 4 h + 1 and 4 next(h) + 2 are the two sides of the inner edge between them.
-
-/// Write the faces, one quad for each corner.
-/// @param faces the vertices at the corners, or the texture coordinates with their own links
-void quads_faces(const mesh_sides *sides, const uint32_t *faces, const bat_mesh_connectivity *links, int threads,
-                 uint32_t *fine);
-
-/// Compute the connectivity of the split mesh, equal to that of sides_connect(). `first` is left out where `links` has none.
-/// @return BAT_OK or BAT_NO_MEMORY; `fine` is untouched on failure
-bat_status quads_links(const mesh_sides *sides, const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine,
-                       bat_error *error);

@@ -314,14 +314,9 @@ static bat_status split_texture(const refinement *work, const mesh_scheme *schem
         else
             midpoint_rule(&rows, threads);
     }
-    if (scheme->polygons)
-        quads_faces(&now->sides, level.faces, links, threads, next->mesh.texture_faces);
-    else
-        split_faces(level.faces, links, threads, next->mesh.texture_faces);
-    if (last)
-        return BAT_OK;
-    return scheme->polygons ? quads_links(&now->sides, links, threads, &next->texture_links, error)
-                            : split_links(links, threads, &next->texture_links, error);
+    const mesh_sides *polygons = scheme->polygons ? &now->sides : NULL;
+    split_faces(polygons, level.faces, links, threads, next->mesh.texture_faces);
+    return last ? BAT_OK : split_links(polygons, links, threads, &next->texture_links, error);
 }
 
 /// Split faces, texture and sharpness. With `last` skip the data that only a further level needs.
@@ -337,16 +332,13 @@ static bat_status split_level(const refinement *work, const mesh_scheme *scheme,
     next->mesh.faces = memory_array(corners, sizeof *next->mesh.faces);
     if (next->mesh.faces == NULL)
         return error_memory(error, corners * sizeof *next->mesh.faces);
-    if (scheme->polygons)
-        quads_faces(&now->sides, now->mesh.faces, &now->links, threads, next->mesh.faces);
-    else
-        split_faces(now->mesh.faces, &now->links, threads, next->mesh.faces);
+    const mesh_sides *polygons = scheme->polygons ? &now->sides : NULL;
+    split_faces(polygons, now->mesh.faces, &now->links, threads, next->mesh.faces);
     bat_status status = BAT_OK;
     if (now->mesh.texture_faces != NULL)
         status = split_texture(work, scheme, last, next, error);
     if (status == BAT_OK && (!last || work->plan->limit != NULL))
-        status = scheme->polygons ? quads_links(&now->sides, &now->links, threads, &next->links, error)
-                                  : split_links(&now->links, threads, &next->links, error);
+        status = split_links(polygons, &now->links, threads, &next->links, error);
     if (status == BAT_OK && now->edge_sharpness != NULL && next->links.edge != NULL)
         status = sharpness_split(&level, &next->links, &next->edge_sharpness, error);
     if (status == BAT_OK && last)

@@ -35,12 +35,6 @@ static void triangles_range(const void *context, size_t begin, size_t end)
     }
 }
 
-void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, uint32_t *fine)
-{
-    split_job job = {.faces = faces, .links = links, .fine_faces = fine};
-    mesh_share(triangles_range, &job, links->face_count, threads);
-}
-
 /// The number of edges that the faces before a face own.
 static uint32_t owned_before_face(const split_job *job, size_t face)
 {
@@ -138,43 +132,6 @@ static void triangle_links_range(const void *context, size_t begin, size_t end)
         triangle_links(job, f, &owned);
 }
 
-bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine, bat_error *error)
-{
-    const split_job job = {.links = links};
-    const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count,
-                                        .face_count = 4 * links->face_count,
-                                        .edge_count = 2 * links->edge_count + 3 * links->face_count};
-    return make_links(&job, 12 * links->face_count, made, triangle_links_range, threads, fine, error);
-}
-
-void split_mesh_free(split_mesh *mesh)
-{
-    free(mesh->faces);
-    bat_mesh_connectivity_free(&mesh->links);
-    *mesh = (split_mesh){0};
-}
-
-bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, split_mesh *fine,
-                           bat_error *error)
-{
-    if (links->face_count > BAT_MESH_MAX_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
-                         BAT_MESH_MAX_FACES);
-    split_mesh made = {.faces = memory_array(links->face_count, 12 * sizeof *made.faces)};
-    if (made.faces == NULL)
-        return error_memory(error, links->face_count * 12 * sizeof *made.faces);
-    bat_status status = split_links(links, threads, &made.links, error);
-    if (status != BAT_OK)
-    {
-        free(made.faces);
-        return status;
-    }
-    split_faces(faces, links, threads, made.faces);
-    split_mesh_free(fine);
-    *fine = made;
-    return BAT_OK;
-}
-
 // Quads of polygons.
 
 static inline void face_quads(const split_job *job, uint32_t face, uint32_t begin, uint32_t count)
@@ -202,11 +159,13 @@ static void faces_range(const void *context, size_t begin, size_t end)
             face_quads(job, f, sides_begin(&job->sides, f), sides_begin(&job->sides, f + 1) - sides_begin(&job->sides, f));
 }
 
-void quads_faces(const mesh_sides *sides, const uint32_t *faces, const bat_mesh_connectivity *links, int threads,
+void split_faces(const mesh_sides *polygons, const uint32_t *faces, const bat_mesh_connectivity *links, int threads,
                  uint32_t *fine)
 {
-    split_job job = {.sides = *sides, .faces = faces, .links = links, .fine_faces = fine};
-    mesh_share(faces_range, &job, links->face_count, threads);
+    split_job job = {.faces = faces, .links = links, .fine_faces = fine};
+    if (polygons != NULL)
+        job.sides = *polygons;
+    mesh_share(polygons != NULL ? faces_range : triangles_range, &job, links->face_count, threads);
 }
 
 /// The first half-edges of the face's vertex and of the vertices on the edges that it owns, as sides_connect() chooses them.
@@ -297,13 +256,44 @@ static void links_range(const void *context, size_t begin, size_t end)
             face_links(job, f, &owned, false);
 }
 
-bat_status quads_links(const mesh_sides *sides, const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine,
-                       bat_error *error)
+bat_status split_links(const mesh_sides *polygons, const bat_mesh_connectivity *links, int threads,
+                       bat_mesh_connectivity *fine, bat_error *error)
 {
-    const split_job job = {.sides = *sides, .links = links, .polygons = true};
-    size_t corners = sides_corners(sides, links->face_count);
-    const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count + links->face_count,
-                                        .face_count = corners,
+    split_job job = {.links = links, .polygons = polygons != NULL};
+    if (polygons != NULL)
+        job.sides = *polygons;
+    size_t corners = sides_corners(&job.sides, links->face_count);
+    size_t centres = polygons != NULL ? links->face_count : 0, faces = polygons != NULL ? corners : 4 * links->face_count;
+    const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count + centres,
+                                        .face_count = faces,
                                         .edge_count = 2 * links->edge_count + corners};
-    return make_links(&job, 4 * corners, made, links_range, threads, fine, error);
+    return make_links(&job, 4 * corners, made, polygons != NULL ? links_range : triangle_links_range, threads, fine, error);
+}
+
+void split_mesh_free(split_mesh *mesh)
+{
+    free(mesh->faces);
+    bat_mesh_connectivity_free(&mesh->links);
+    *mesh = (split_mesh){0};
+}
+
+bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, split_mesh *fine,
+                           bat_error *error)
+{
+    if (links->face_count > BAT_MESH_MAX_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
+                         BAT_MESH_MAX_FACES);
+    split_mesh made = {.faces = memory_array(links->face_count, 12 * sizeof *made.faces)};
+    if (made.faces == NULL)
+        return error_memory(error, links->face_count * 12 * sizeof *made.faces);
+    bat_status status = split_links(NULL, links, threads, &made.links, error);
+    if (status != BAT_OK)
+    {
+        free(made.faces);
+        return status;
+    }
+    split_faces(NULL, faces, links, threads, made.faces);
+    split_mesh_free(fine);
+    *fine = made;
+    return BAT_OK;
 }
