@@ -162,7 +162,7 @@ static void rough_simplified_lines_bend_less(void **state)
     for (size_t i = 0; i < EDGES; i++)
     {
         edges[i][0] = i % 3 == 0 ? 1.6 : 1;
-        edges[i][1] = i % 2 == 0 ? 60 : -55;
+        edges[i][1] = (i % 2 == 0 ? 55 : -60) + (double)(i * i % 17); // never the same again
     }
     draw(edges, EDGES, points);
     bat_space plane = bat_euclidean(2);
