@@ -50,8 +50,8 @@ typedef struct bat_mesh_decimate_options
     double *distance;                ///< with `tolerance`: receives the proven bound of the result; may be null
     bool relative_tolerance;         ///< `tolerance` is a share of the diagonal of the mesh's box; default false
     bat_mesh_decimate_method method; ///< default BAT_MESH_DECIMATE_METHOD_BALANCED
-    /// 0, and as many as there are edges: always collapse the edge of least error. Else that of least error among this number
-    /// of random ones (appendix E: 100). Default 0.
+    /// 0, and as many as there are edges: always collapse the edge of least error. Else that of least error among this
+    /// number of random ones (appendix E: 100). Default 0.
     size_t candidates;
     /// The seed of the random choice; default 1.
     uint64_t seed;
