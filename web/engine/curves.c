@@ -21,6 +21,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
         ENGINE_OPTION(bat_curve_map_refine_options, refine.max_points, ENGINE_SIZE),
         ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, refine.simple, &bat_curve_simple_family),
         ENGINE_OPTION(bat_curve_map_refine_options, refine.corner_angle, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.find_corners, ENGINE_BOOL),
         ENGINE_OPTION(bat_curve_map_refine_options, refine.max_edge, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_refine_options, refine.tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_refine_options, refine.max_levels, ENGINE_SIZE),

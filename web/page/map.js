@@ -27,7 +27,7 @@ export function mapTab(app, section) {
     await app.ready();
     bytes ??= example();
     try {
-      const options = { scheme: state.scheme, levels: state.levels, topology: state.topology, decimals: state.decimals, keep_area: state.topology && state.keep_area };
+      const options = { scheme: state.scheme, levels: state.levels, find_corners: true, topology: state.topology, decimals: state.decimals, keep_area: state.topology && state.keep_area };
       result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file) }, "Refining the map");
       app.clear();
       prepare();
@@ -277,7 +277,7 @@ export function mapTab(app, section) {
   }
   async function save(format) {
     try {
-      const options = { scheme: state.scheme, levels: state.levels, topology: state.topology, decimals: state.decimals, keep_area: state.keep_area };
+      const options = { scheme: state.scheme, levels: state.levels, find_corners: true, topology: state.topology, decimals: state.decimals, keep_area: state.keep_area };
       const { text } = await app.engine.call("map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), write: format }, "Writing");
       download(`fine-${file.replace(/\.\w+$/, "")}.${format}`, text);
     } catch (error) {
@@ -316,8 +316,8 @@ export function mapTab(app, section) {
     inspect: () => ({ state, result }),
     commands: () => ({
       shell: `batten curve ${file} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --topology separate"}${state.keep_area ? " --keep-area" : ""} -o fine.geojson --picture fine.png`,
-      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
-      python: `import batten\nimport geopandas\n\ncountries = geopandas.read_file("${file}")\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.geojson")`,
+      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.refine.find_corners = true;\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
+      python: `import batten\nimport geopandas\n\ncountries = geopandas.read_file("${file}")\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}, find_corners=True${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.geojson")`,
     }),
   };
 }

@@ -60,7 +60,7 @@ describe("equal to the native program", () => {
     const out = join(folder, "map.geojson");
     native("curve", data("map.geojson"), "--scheme", "angle-4", "--levels", "2", "-o", out);
     const coarse = batten.bat_curve_read_memory(readFileSync(data("map.geojson")));
-    const fine = batten.bat_curve_map_refine(coarse, { scheme: "angle-4", levels: 2 });
+    const fine = batten.bat_curve_map_refine(coarse, { scheme: "angle-4", levels: 2, find_corners: true });
     assert.ok(fine.report.map && fine.report.shared > 100);
     compare(decode(batten.bat_curve_write_memory(fine)), out, 1e-12);
   });
