@@ -336,6 +336,14 @@ static void images_of_colmap_are_cameras(void **state)
     free(written);
     bat_curve_set_free(&set);
     bat_curve_set_free(&again);
+    // A quaternion of zeros is no rotation.
+    static const char zeros[] = "# Image list with two lines of data per image:\n1 0 0 0 0 0 0 1 1 a.jpg\n\n";
+    bat_curve_read_options options = bat_curve_read_defaults();
+    bat_error error;
+    options.motion = true;
+    assert_int_equal(bat_curve_read_memory(zeros, strlen(zeros), &options, &set, &error), BAT_BAD_FILE);
+    assert_int_equal(error.line, 2);
+    assert_non_null(strstr(error.text, "the quaternion is 0"));
 }
 
 /// Joints of BVH are curves of poses in the frames of their parents; faults name the line.

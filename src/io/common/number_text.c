@@ -173,6 +173,8 @@ char *number_write(char *out, double value)
     if (signbit(value))
         *out++ = '-';
     value = fabs(value);
+    if (!isfinite(value))
+        return stpcpy(out, isnan(value) ? "nan" : "inf");
     if (value < largest && value == floor(value))
         return write_decimal(out, (uint64_t)value, 0);
     if (value >= smallest && value < largest)

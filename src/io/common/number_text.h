@@ -9,7 +9,8 @@
 /// The most characters of a number, without a terminating zero.
 #define NUMBER_TEXT_SIZE 32
 
-/// Write a finite number with the fewest of 15, 16 or 17 significant digits that identify the double. Returns the end.
+/// Write a number with the fewest of 15, 16 or 17 significant digits that identify the double; "nan" or "inf" where it is
+/// not finite. Returns the end.
 char *number_write(char *out, double value);
 
 /// Write `units` * 10^-decimals without trailing zeros, for |units| < 10^18 and 0 <= decimals <= 18. Returns the end.

@@ -2,7 +2,9 @@
 #include "io/motion/pose_translation.h"
 
 #include "base/memory.h"
+#include "space/quaternion.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,6 +50,8 @@ static bat_status read_image(const pose_translation *work, const text_line *line
         fault = "a line of an image has a number, a quaternion, a translation, a camera and a name";
     for (size_t i = 0; i < 7 && fault == NULL; i++)
         fault = csv_read_number(fields[1 + i], ' ', &image->pose[i], &comma);
+    if (fault == NULL && !isnormal(quaternion_dot(image->pose, image->pose)))
+        fault = "the quaternion is 0 or too large";
     if (fault != NULL)
         return ERROR_FILE(error, line->number, "%s", fault);
     image->name = (csv_field){fields[9].begin, line->end};
