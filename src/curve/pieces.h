@@ -24,6 +24,7 @@ static inline bool stop_wanted(const bat_curve_refine_options *options)
 /// Whether a checked scheme can be stopped: an edge's points are among those of the next level and on the limit curve.
 /// @return BAT_OK, or BAT_UNSUPPORTED with the way out
 bat_status stop_check(const bat_curve_refine_options *options, bat_error *error);
+
 /// The median length of the edges of curves; 0 without edges.
 bat_status curves_median_edge(const bat_curve *curves, size_t count, double *median, bat_error *error);
 
