@@ -70,7 +70,8 @@ void gdal_end(void);
 /// Fail with a text and, after a colon, what GDAL says.
 bat_status gdal_fault(const gdal_messages *messages, bat_status status, bat_error *error, const char *what);
 
-/// The path by which GDAL opens a file: with /vsigzip/ for ".gz" and /vsizip/ for ".zip". Null when out of memory.
+/// The path by which GDAL opens a file: with /vsigzip/ for ".gz", /vsizip/ for ".zip", and for GML by a way that
+/// is only read. Null when out of memory.
 char *gdal_path(const char *path);
 
 /// @file

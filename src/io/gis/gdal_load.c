@@ -78,6 +78,8 @@ char *gdal_path(const char *path)
         prefix = "/vsigzip/";
     else if (plain && dot != NULL && strcasecmp(dot, ".zip") == 0)
         prefix = "/vsizip/";
+    else if (plain && dot != NULL && (strcasecmp(dot, ".gml") == 0 || strcasecmp(dot, ".xml") == 0))
+        prefix = "/vsisubfile/0,"; // the whole file, and nothing can be written beside it
     size_t size = strlen(prefix) + strlen(path) + 1;
     char *spelled = malloc(size);
     if (spelled != NULL)

@@ -577,7 +577,7 @@ static bat_status check_path(const char *path, bool folders, const bat_limits *l
 bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_options *options, bat_curve_set *set,
                     bat_error *error)
 {
-    // GML: nothing is written beside the file, and nothing fetched that it names.
+    // GML: nothing is written beside the file, not even tried, and nothing fetched that it names.
     static const char *const OPENING[] = {"WRITE_GFS=NO", "DOWNLOAD_SCHEMA=NO", NULL};
     layer_reader reader = {.fields = NULL};
     size_t bytes = SIZE_MAX / 2; // unknown, as is that of many files
