@@ -1,6 +1,7 @@
 // Splines in time: poses of 10,000 keys at a million times on one thread, with and without velocities and accelerations,
 // over scipy's RotationSpline and CubicSpline in the same run (bench/peer_motion_spline.py, run by $PYTHON or
-// /usr/bin/python3, where there is one); and one query alone. Making the splines counts on both sides.
+// /usr/bin/python3, where there is one); and one query alone. Making the splines counts on both sides. And splines of a
+// user's rotations over those of the library.
 
 #include "timing.h"
 
@@ -94,6 +95,35 @@ static double time_query(const bat_hermite_curve *keys, bool rates)
     return isfinite(sum) ? spent / SINGLE : NAN;
 }
 
+static bat_status slow_log(const bat_space *space, const double *p, const double *q, double *tangent)
+{
+    const bat_space *rotation = space->parameters;
+    return rotation->log(rotation, p, q, tangent);
+}
+
+/// The time to make splines through the rotations of the keys, as a user's space, over that of the library's.
+static double compare_user(void)
+{
+    static double rotations[KEYS * 4];
+    bat_space spaces[2] = {bat_rotation(), bat_rotation()};
+    double least[2] = {INFINITY, INFINITY};
+    spaces[1].name = "user's rotations";
+    spaces[1].log = slow_log;
+    spaces[1].parameters = &spaces[0];
+    for (size_t i = 0; i < KEYS; i++)
+        memcpy(rotations + 4 * i, points + 7 * i + 3, 4 * sizeof *rotations);
+    for (int round = 0; round < 2 * ROUNDS; round++)
+    {
+        bat_hermite_curve keys = {.space = &spaces[round % 2], .points = rotations, .times = times, .count = KEYS};
+        bat_motion_spline *spline = NULL;
+        double start = processor_seconds();
+        if (bat_motion_spline_make(&keys, NULL, &spline, NULL) == BAT_OK)
+            least[round % 2] = fmin(least[round % 2], processor_seconds() - start);
+        bat_motion_spline_free(spline);
+    }
+    return least[1] / least[0];
+}
+
 static bool write_doubles(const char *path, const double *values, size_t count)
 {
     FILE *file = fopen(path, "wb");
@@ -158,5 +188,6 @@ int main(void)
     }
     (void)printf("one random query: pose %.3f microseconds (floor 0.3), with velocity and acceleration %.3f\n",
                  1e6 * time_query(&keys, false), 1e6 * time_query(&keys, true));
+    (void)printf("a user's rotations: %.2f times the library's time (floor 3)\n", compare_user());
     return EXIT_SUCCESS;
 }

@@ -237,11 +237,10 @@ static bat_status accelerate(spline_system *system, size_t i)
         const double *first = at_end(system, system->slopes, i, end);
         tangent_jet jet = {at_end(system, system->logs, i, end), first, second[end], third};
         const double *chart = chart_of(system, i, end);
-        if (chart != NULL)
-            multiply(n, chart, second[end], acceleration);
-        for (size_t j = 0; chart != NULL && j < n * n; j++)
-            for (size_t c = 0; c < n; c++)
-                acceleration[c] += chart[(2 * n + j) * n + c] * (first[j / n] * first[j % n]);
+        if (chart != NULL && n == 3) // without loops
+            spline_chart_bend(3, chart, first, second[end], acceleration);
+        else if (chart != NULL)
+            spline_chart_bend(n, chart, first, second[end], acceleration);
         bat_status status = chart != NULL ? BAT_OK
                                           : spline_acceleration(system->factor, middle_of(system, i), &jet, q,
                                                                 turning_of(system, i, end), acceleration);

@@ -90,7 +90,6 @@ void spline_differences(size_t n, const double *rows, double *first, double *sec
 
 /// Spaces of a user up to this dimension have charts.
 #define CHART_DIM 6
-#define CHART_WAYS 4
 
 /// What fixes the velocity at a key.
 typedef enum key_state
@@ -146,12 +145,34 @@ typedef enum spline_place
     AT_MIDDLE
 } spline_place;
 
-/// Matrices of an interval: of an end, 0 or 1, the differential of exp_m, its inverse, and the covariant acceleration of
-/// velocities (k, l) as a vector; of `end` 2, parallel transport there and back, and from the middle to the ends.
+/// The numbers of an interval's matrices.
+static inline size_t spline_chart_size(size_t n)
+{
+    return (n + 7) * n * n;
+}
+
+/// Matrices of an interval: of an end, 0 or 1, the differential of exp_m, its inverse, and vectors of pairs (k, l), k <= l:
+/// the covariant acceleration is their sum, times velocities k and l; of `end` 2, parallel transport there and back.
 static inline double *spline_chart(const spline_system *system, size_t interval, size_t end)
 {
-    size_t n = system->factor->space.tangent_dim, size = (2 + n) * n * n;
-    return system->charts + interval * (2 * size + CHART_WAYS * n * n) + end * size;
+    size_t n = system->factor->space.tangent_dim;
+    return system->charts + interval * spline_chart_size(n) + end * (n + 5) * n * n / 2;
+}
+
+/// The covariant acceleration of a velocity `first` and its derivative `second`, at the end whose matrices these are.
+static inline void spline_chart_bend(size_t n, const double *push, const double *first, const double *second,
+                                     double *acceleration)
+{
+    for (size_t c = 0; c < n; c++)
+    {
+        const double *pair = push + 2 * n * n + c;
+        acceleration[c] = 0;
+        for (size_t k = 0; k < n; k++)
+            for (size_t l = k; l < n; l++, pair += n)
+                acceleration[c] += *pair * (first[k] * first[l]);
+        for (size_t k = 0; k < n; k++)
+            acceleration[c] += push[c * n + k] * second[k];
+    }
 }
 
 /// Find the charts, after middles and logarithms.
