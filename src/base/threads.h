@@ -25,8 +25,8 @@ static inline int threads_for(int wanted, size_t work)
 {
 #if defined(_OPENMP)
     int threads = wanted > 0 ? wanted : omp_get_max_threads();
-    int limit = omp_get_num_procs() > THREADS_LIMIT ? omp_get_num_procs() : THREADS_LIMIT;
-    threads = threads > limit ? limit : threads;
+    if (threads > THREADS_LIMIT && threads > omp_get_num_procs()) // which asks the system
+        threads = omp_get_num_procs() > THREADS_LIMIT ? omp_get_num_procs() : THREADS_LIMIT;
     return threads_of_team((size_t)threads > work ? (int)(work > 0 ? work : 1) : threads);
 #else
     (void)wanted;

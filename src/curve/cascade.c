@@ -54,6 +54,7 @@ typedef struct scratch
     double *rows[2];
     void *kernel; ///< what the kernel needs
     bool stream;  ///< write results past the caches
+    bool ready;   ///< there was memory
 } scratch;
 
 static size_t support_of(const cascade *task)
@@ -69,13 +70,15 @@ static ptrdiff_t chunk_rows(const cascade *task)
     return (ptrdiff_t)(rows + (rows & 1));
 }
 
-static bool scratch_make(const cascade *task, size_t chunk, scratch *s)
+static scratch scratch_make(const cascade *task, size_t chunk)
 {
-    size_t rows = chunk + 4 * support_of(task) + 16;
+    size_t rows = chunk + 4 * support_of(task) + 16, total = (size_t)(task->result.end - task->result.begin);
+    scratch s = {.stream = total * task->kernel.dim > STREAM_NUMBERS};
     for (int i = 0; i < 2; i++)
-        s->rows[i] = memory_array(rows * task->kernel.dim, sizeof(double));
-    s->kernel = memory_array(task->kernel.scratch_size, 1);
-    return s->rows[0] != NULL && s->rows[1] != NULL && s->kernel != NULL;
+        s.rows[i] = memory_array(rows * task->kernel.dim, sizeof(double));
+    s.kernel = memory_array(task->kernel.scratch_size, 1);
+    s.ready = s.rows[0] != NULL && s.rows[1] != NULL && s.kernel != NULL;
+    return s;
 }
 
 static void scratch_free(scratch *s)
@@ -171,32 +174,26 @@ static size_t point_at_fault(const cascade *task, ptrdiff_t edge)
     return edge < 0 ? 0 : edge >= count ? task->count - 1 : (size_t)edge;
 }
 
-static void run_chunks(const cascade *task, const double *root, double *fine, ptrdiff_t chunk, shared_work *work)
+/// Chunk i of the result, unless there was no memory for the scratch.
+static void run_numbered(const cascade *task, const double *root, double *fine, ptrdiff_t chunk, size_t i, scratch *s,
+                         shared_work *work)
 {
+    if (!shared_work_wants(work, i))
+        return;
+    bat_error error;
     size_t dim = task->kernel.dim;
-    size_t total = (size_t)(task->result.end - task->result.begin);
-    scratch s = {.stream = total * dim > STREAM_NUMBERS};
-    bool ready = scratch_make(task, (size_t)chunk, &s);
-#pragma omp for schedule(dynamic)
-    for (size_t i = 0; i < work->total; i++)
+    bat_status status = s->ready ? BAT_OK : error_memory(&error, (size_t)chunk * dim * sizeof(double));
+    index_range range = {task->result.begin + (ptrdiff_t)i * chunk, task->result.begin + (ptrdiff_t)(i + 1) * chunk};
+    range.end = range.end > task->result.end ? task->result.end : range.end;
+    ptrdiff_t fault = 0;
+    if (s->ready)
+        status = run_chunk(task, root, range, s, fine + i * (size_t)chunk * dim, &fault);
+    if (s->ready && status != BAT_OK)
     {
-        if (!shared_work_wants(work, i))
-            continue;
-        bat_error error;
-        bat_status status = ready ? BAT_OK : error_memory(&error, (size_t)chunk * dim * sizeof(double));
-        index_range range = {task->result.begin + (ptrdiff_t)i * chunk, task->result.begin + (ptrdiff_t)(i + 1) * chunk};
-        range.end = range.end > task->result.end ? task->result.end : range.end;
-        ptrdiff_t fault = 0;
-        if (ready)
-            status = run_chunk(task, root, range, &s, fine + i * (size_t)chunk * dim, &fault);
-        if (ready && status != BAT_OK)
-        {
-            size_t point = point_at_fault(task, fault) >> task->base;
-            (void)error_point(&error, status, point, "there is no new point after point", " (%s)", bat_status_name(status));
-        }
-        shared_work_finish(work, i, status, &error);
+        size_t point = point_at_fault(task, fault) >> task->base;
+        (void)error_point(&error, status, point, "there is no new point after point", " (%s)", bat_status_name(status));
     }
-    scratch_free(&s);
+    shared_work_finish(work, i, status, &error);
 }
 
 bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error)
@@ -206,8 +203,23 @@ bat_status cascade_run(const cascade *task, const double *root, double *fine, ba
     chunk = chunk > total ? total + (total & 1) : chunk;
     shared_work work = shared_work_make(total == 0 ? 0 : (size_t)((total + chunk - 1) / chunk), task->progress);
     int threads = threads_for(task->threads, work.total);
-    // A team of its own also for one thread: the caller may be in a team already, which must not share these chunks.
+    if (threads == 1)
+    {
+        scratch s = scratch_make(task, (size_t)chunk);
+        for (size_t i = 0; i < work.total; i++)
+            run_numbered(task, root, fine, chunk, i, &s, &work);
+        scratch_free(&s);
+    }
+    else
+    {
 #pragma omp parallel num_threads(threads)
-    run_chunks(task, root, fine, chunk, &work);
+        {
+            scratch s = scratch_make(task, (size_t)chunk);
+#pragma omp for schedule(dynamic)
+            for (size_t i = 0; i < work.total; i++)
+                run_numbered(task, root, fine, chunk, i, &s, &work);
+            scratch_free(&s);
+        }
+    }
     return shared_work_end(&work, error);
 }

@@ -148,22 +148,32 @@ static bat_status check_scheme(const pieces *all, bat_error *error)
 
 typedef bat_status piece_work(pieces *all, piece *part, void *context, bat_progress progress, bat_error *error);
 
+/// Work on piece i.
+static void for_piece(pieces *all, size_t i, piece_work *work_on, void *context, bat_progress progress, shared_work *work)
+{
+    if (!shared_work_wants(work, i))
+        return;
+    bat_error own = {.index = BAT_NO_INDEX};
+    progress_part part = {progress, (double)i / (double)all->count, 1 / (double)all->count};
+    bat_progress inner = all->team > 1 ? (bat_progress){0} : progress_of_part(&part);
+    bat_status status = work_on(all, &all->list[i], context, inner, &own);
+    if (status != BAT_OK && own.index != BAT_NO_INDEX)
+        error_renumber(&own, vertex_of(all, all->list[i].edge + own.index));
+    shared_work_finish(work, i, status, &own);
+}
+
 /// Work on all pieces. Threads share the pieces, or each of them.
 static bat_status for_each(pieces *all, piece_work *work_on, void *context, bat_progress progress, bat_error *error)
 {
     shared_work work = shared_work_make(all->count, all->team > 1 ? progress : (bat_progress){0});
-#pragma omp parallel for schedule(dynamic) num_threads(all->team) if (all->team > 1)
-    for (size_t i = 0; i < all->count; i++)
+    if (all->team == 1)
+        for (size_t i = 0; i < all->count; i++)
+            for_piece(all, i, work_on, context, progress, &work);
+    else
     {
-        if (!shared_work_wants(&work, i))
-            continue;
-        bat_error own = {.index = BAT_NO_INDEX};
-        progress_part part = {progress, (double)i / (double)all->count, 1 / (double)all->count};
-        bat_progress inner = all->team > 1 ? (bat_progress){0} : progress_of_part(&part);
-        bat_status status = work_on(all, &all->list[i], context, inner, &own);
-        if (status != BAT_OK && own.index != BAT_NO_INDEX)
-            error_renumber(&own, vertex_of(all, all->list[i].edge + own.index));
-        shared_work_finish(&work, i, status, &own);
+#pragma omp parallel for schedule(dynamic) num_threads(all->team)
+        for (size_t i = 0; i < all->count; i++)
+            for_piece(all, i, work_on, context, progress, &work);
     }
     return shared_work_end(&work, error);
 }
@@ -245,9 +255,12 @@ static bat_status plan_piece(pieces *all, piece *part, void *context BAT_UNUSED,
 {
     if (part->straight)
         return BAT_OK;
+    part->plan = all->plan;
+    part->plan.options.threads = all->threads;
+    if (all->count == 1 && !all->owned)
+        return BAT_OK; // the whole curve
     bat_curve curve = curve_of(all, part);
-    bat_curve_refine_options options = all->plan.options;
-    options.threads = all->threads;
+    bat_curve_refine_options options = part->plan.options;
     return refine_plan_make(&curve, &options, &part->plan, error);
 }
 

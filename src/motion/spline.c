@@ -714,6 +714,8 @@ bat_status bat_motion_spline_sample(const bat_motion_spline *spline, const doubl
 {
     shared_work work = shared_work_make((count + BLOCK - 1) / BLOCK, (bat_progress){0});
     int threads = threads_worth(spline->threads, work.total, (double)OPERATIONS * (double)count);
+    if (work.total == 1) // without what a team costs
+        return sample_block(spline, times, 0, count, points, velocities, accelerations, error);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t block = 0; block < work.total; block++)
     {

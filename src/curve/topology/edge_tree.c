@@ -2,6 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
+#include "base/lanes.h"
 #include "base/memory.h"
 #include "base/threads.h"
 #include "space/builtin.h"
@@ -53,6 +54,7 @@ static int range_of(surface_kind kind)
                                     : PREDICATE_RANGE_DISK;
 }
 
+LANES_CLONES
 static bool is_in_range(surface_kind kind, const double *values, size_t count)
 {
     double low = ldexp(1, -range_of(kind)), high = ldexp(1, range_of(kind));
@@ -352,26 +354,36 @@ static bat_status lay_out(edge_tree *tree, const bat_curve *curves, bat_error *e
     return tree->nodes != NULL ? BAT_OK : error_memory(error, nodes * sizeof *tree->nodes);
 }
 
+/// Make node i of a level above 0, or the leaves of curve i.
+static void make_part(edge_tree *tree, size_t level, size_t i)
+{
+    if (level > 0)
+    {
+        make_node(tree, level, i);
+        return;
+    }
+    size_t leaf = tree->curves[i].first_leaf;
+    for (size_t edge = 0; edge < tree->curves[i].edges; edge += EDGE_LEAF, leaf++)
+    {
+        tree->nodes[leaf] = (edge_node){.first_curve = i, .last_curve = i};
+        make_leaf(tree, leaf);
+    }
+}
+
 /// Make the nodes from the curves, which are laid out.
 static void make_nodes(edge_tree *tree)
 {
-#pragma omp parallel num_threads(tree->threads) if (tree->threads > 1)
+    for (size_t level = 0; level < tree->level_count; level++)
     {
-#pragma omp for schedule(dynamic, 16)
-        for (size_t c = 0; c < tree->curve_count; c++)
+        size_t count = level > 0 ? tree->level_size[level] : tree->curve_count;
+        if (tree->threads == 1)
+            for (size_t i = 0; i < count; i++)
+                make_part(tree, level, i);
+        else
         {
-            size_t leaf = tree->curves[c].first_leaf;
-            for (size_t edge = 0; edge < tree->curves[c].edges; edge += EDGE_LEAF, leaf++)
-            {
-                tree->nodes[leaf] = (edge_node){.first_curve = c, .last_curve = c};
-                make_leaf(tree, leaf);
-            }
-        }
-        for (size_t level = 1; level < tree->level_count; level++)
-        {
-#pragma omp for schedule(static)
-            for (size_t i = 0; i < tree->level_size[level]; i++)
-                make_node(tree, level, i);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(tree->threads)
+            for (size_t i = 0; i < count; i++)
+                make_part(tree, level, i);
         }
     }
 }
