@@ -14,7 +14,7 @@ learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_
             panel[k * LEARN_PANEL] = weight[o * stride + k];
         own_bias[o] = bias[o];
     }
-    return (learn_packed){inputs, columns, columns, memory, LEARN_PANEL, inputs * LEARN_PANEL, own_bias};
+    return (learn_packed){inputs, columns, columns, memory, LEARN_PANEL, inputs * LEARN_PANEL, own_bias, false};
 }
 
 #define PRODUCT_PASTE(a, b) a##b

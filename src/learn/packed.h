@@ -41,12 +41,13 @@ typedef struct learn_packed
     size_t input_stride; ///< from one input's numbers to the next one's within a panel
     size_t panel_stride; ///< from panel to panel
     const real *bias;    ///< columns
+    bool adds;           ///< add to what y holds
 } learn_packed;
 
 /// A layer whose transposed matrix is stored plainly, inputs x columns, with whole panels of columns.
 static inline learn_packed learn_packed_plain(size_t inputs, size_t columns, const real *weight, const real *bias)
 {
-    return (learn_packed){inputs, columns, columns, weight, columns, LEARN_PANEL, bias};
+    return (learn_packed){inputs, columns, columns, weight, columns, LEARN_PANEL, bias, false};
 }
 
 /// The numbers that a packed layer takes.

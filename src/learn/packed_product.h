@@ -42,7 +42,12 @@ __attribute__((always_inline)) static inline void PRODUCT_NAME(PRODUCT, _tile)(c
     }
     for (size_t i = 0; i < LEARN_TILE; i++)
         for (size_t v = 0; v < vectors; v++)
-            *(WIDE *)(y + i * columns + column + v * LANES) = sums[i][v];
+        {
+            WIDE *to = (WIDE *)(y + i * columns + column + v * LANES);
+            if (layer->adds)
+                sums[i][v] += *to;
+            *to = sums[i][v];
+        }
 }
 
 PRODUCT_TARGET

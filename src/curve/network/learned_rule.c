@@ -61,13 +61,15 @@ enum
 _Static_assert(LEARNED_CHANNELS % LEARN_PANEL == 0, "a block is whole panels");
 
 /// A layer's block k: inputs x C. In these arrays a block's rows lie together, `rows` x C, and block behind block.
-static void linear(const real *weights, klein_widths in, size_t rows, const real *x, size_t stride, bool blocks, real *y)
+static void linear(const real *weights, klein_widths in, size_t rows, const real *x, size_t stride, bool blocks, bool adds,
+                   real *y)
 {
     static const real ZEROS[C];
     const real *bias = weights + klein_total(in) * C;
     for (size_t k = 0; k < KLEIN_COUNT; k++)
     {
         learn_packed layer = learn_packed_plain(in.of[k], C, weights, k == KLEIN_KEPT ? bias : ZEROS);
+        layer.adds = adds;
         learn_packed_linear(&layer, rows, x, stride, y + k * rows * C);
         weights += in.of[k] * C;
         x += blocks ? rows * C : in.of[k];
@@ -78,28 +80,31 @@ static void linear(const real *weights, klein_widths in, size_t rows, const real
 static const real *forward(const real *weights, size_t rows, learned_scratch *s)
 {
     real *x = s->x, *inner = s->inner, *next = s->next;
-    size_t size = rows * LEARNED_WIDTH;
-    linear(weights, learned_widths(), rows, s->features, LEARNED_FEATURES, false, inner);
+    linear(weights, learned_widths(), rows, s->features, LEARNED_FEATURES, false, false, inner);
     learn_packed_klein_gelu(rows * C, inner, x);
     weights += FIRST_LAYER;
     for (size_t block = 0; block < LEARNED_BLOCKS; block++, weights += 2 * OTHER_LAYER)
     {
-        linear(weights, klein_equal(C), rows, x, C, true, inner);
+        linear(weights, klein_equal(C), rows, x, C, true, false, inner);
         learn_packed_klein_gelu(rows * C, inner, next);
-        linear(weights + OTHER_LAYER, klein_equal(C), rows, next, C, true, inner);
-        for (size_t i = 0; i < size; i++)
-            x[i] += inner[i];
+        linear(weights + OTHER_LAYER, klein_equal(C), rows, next, C, true, true, x);
     }
     learn_packed_klein_gelu(rows * C, x, next);
     return next;
 }
 
-static double product(const real *weights, const real *row)
+/// The outputs of a tile of rows, correction and gate, from two blocks of the last layer's input.
+static void outputs(const real *weights, const real *first, const real *kept, double *corrections, double *gates)
 {
-    double sum = 0;
+    double sums[2][LEARN_TILE] = {{0}};
     for (size_t c = 0; c < C; c++)
-        sum += (double)weights[c] * (double)row[c];
-    return sum;
+        for (size_t r = 0; r < LEARN_TILE; r++)
+        {
+            sums[0][r] += (double)weights[c] * (double)first[r * C + c];
+            sums[1][r] += (double)weights[C + c] * (double)kept[r * C + c];
+        }
+    memcpy(corrections, sums[0], sizeof sums[0]);
+    memcpy(gates, sums[1], sizeof sums[1]);
 }
 
 /// The insertion angles of `count` edges, positive to the left. Where weights are so large that numbers overflow on the way,
@@ -130,11 +135,12 @@ static void learned_inference_angles(const real *weights, size_t count, const do
         }
         const real *last = forward(weights, whole, scratch);
         const real *kept = last + KLEIN_KEPT * whole * C, *first = last + KLEIN_FIRST * whole * C;
+        double corrections[LEARNED_ROWS], gates[LEARNED_ROWS];
+        for (size_t r = 0; r < whole; r += LEARN_TILE)
+            outputs(weights + OUTPUT_AT, first + r * C, kept + r * C, corrections + r, gates + r);
         for (size_t r = 0; r < rows; r++)
         {
-            double correction = product(weights + OUTPUT_AT, first + r * C);
-            double gate = product(weights + OUTPUT_AT + C, kept + r * C);
-            double angle = learned_angle(scratch->edges[r], correction, gate);
+            double angle = learned_angle(scratch->edges[r], corrections[r], gates[r]);
             if (brakes && begin.level == 0)
                 angle = learned_braked(angles + done + r, scratch->logs + LEARNED_RANGE - 1 + r, wanted, angle);
             chosen[done + r] = isnan(angle) ? scratch->edges[r].base : angle;
