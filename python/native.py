@@ -16,6 +16,15 @@ MORE = """
 void *malloc(size_t size);
 void free(void *pointer);
 
+typedef struct batten_refined
+{
+    bat_curve curve;
+    bat_curve_refine_report report;
+} batten_refined;
+bat_status batten_refine(const bat_space *space, const double *points, size_t count, bool closed, const double *channels,
+                         size_t channel_count, const unsigned char *corners, const bat_curve_refine_options *options,
+                         batten_refined *refined, bat_error *error);
+bat_status batten_pose(const bat_motion_spline *spline, double time, bool scalar_last, double *pose, bat_error *error);
 bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offsets, size_t count,
                                 const bat_curve_refine_options *options, double **points, int64_t *fine_offsets,
                                 bat_error *error);

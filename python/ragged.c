@@ -1,5 +1,5 @@
-// Part of the module batten._native: many curves whose points lie one behind the other, many points of shells, and reports
-// of progress.
+// Part of the module batten._native: small calls without structs, many curves whose points lie one behind the other, many
+// points of shells, and reports of progress.
 
 #include <math.h>
 #include <string.h>
@@ -30,6 +30,46 @@ static bool batten_report_seldom(void *context, double fraction)
         last = seconds;
     }
     return batten_report(context, fraction);
+}
+
+/// A refined curve, and what became of it.
+typedef struct batten_refined
+{
+    bat_curve curve;
+    bat_curve_refine_report report;
+} batten_refined;
+
+/// bat_curve_refine() with a report, of a curve given by its parts.
+static bat_status batten_refine(const bat_space *space, const double *points, size_t count, bool closed,
+                                const double *channels, size_t channel_count, const unsigned char *corners,
+                                const bat_curve_refine_options *options, batten_refined *refined, bat_error *error)
+{
+    bat_curve coarse = {.space = space,
+                        .points = (double *)points,
+                        .count = count,
+                        .closed = closed,
+                        .channels = (double *)channels,
+                        .channel_count = channel_count,
+                        .corners = (unsigned char *)corners};
+    bat_curve_refine_options how = *options;
+    how.report = &refined->report;
+    return bat_curve_refine(&coarse, &how, &refined->curve, error);
+}
+
+/// bat_motion_spline_sample() at one time.
+///
+/// @param scalar_last change a quaternion from (w, x, y, z) to (x, y, z, w), normalized by the operations of scipy
+static bat_status batten_pose(const bat_motion_spline *spline, double time, bool scalar_last, double *pose, bat_error *error)
+{
+    bat_status status = bat_motion_spline_sample(spline, &time, 1, pose, NULL, NULL, error);
+    if (status != BAT_OK || !scalar_last)
+        return status;
+    double w = pose[0], x = pose[1], y = pose[2], z = pose[3], norm = sqrt(x * x + y * y + z * z + w * w);
+    pose[0] = x / norm;
+    pose[1] = y / norm;
+    pose[2] = z / norm;
+    pose[3] = w / norm;
+    return BAT_OK;
 }
 
 /// The share of the curves of a part in the progress of all.

@@ -118,12 +118,13 @@ _ERRORS: dict[int, type[BattenError]] = {
     lib.BAT_FILE_ACCESS: FileAccess,
     lib.BAT_NOT_MANIFOLD: NotManifold,
 }
+_ERROR = ffi.typeof("bat_error *")
 NO_INDEX = int(ffi.cast("size_t", -1))
 
 
 def call(function: Callable[..., int], *arguments: Any) -> None:
     """Call a function of the library, whose last parameter is an error, and raise what went wrong."""
-    error = ffi.new("bat_error *")
+    error = ffi.new(_ERROR)
     _thread.raised = None
     status = function(*arguments, error)
     if status == 0:
@@ -297,12 +298,17 @@ def _progress(kind: str) -> tuple[str, ...] | None:
 _built = functools.lru_cache(256, typed=True)(_build)
 
 
+def shared_options(kind: str, given: dict[str, Any]) -> tuple[Any, list[Any]]:
+    """A struct of options with `given` set by name, which nobody may change, and what it needs as long as it is used."""
+    try:
+        return _built(kind, **given)
+    except TypeError:
+        return _build(kind, **given)
+
+
 def options(kind: str, given: dict[str, Any]) -> Any:
     """A struct of options of one call, with `given` set by name."""
-    try:
-        built, keep = _built(kind, **given)
-    except TypeError:
-        built, keep = _build(kind, **given)
+    built, keep = shared_options(kind, given)
     fresh = ffi.new(f"{kind} *", built[0])
     if keep:
         kept[fresh] = keep
@@ -353,9 +359,13 @@ def flag(value: Any, name: str) -> bool:
     return bool(value)
 
 
-def pointer(values: NDArray[Any] | None, kind: str = "double[]") -> Any:
-    """A pointer to the numbers of an array, which it keeps alive."""
-    return ffi.NULL if values is None else ffi.from_buffer(ffi.typeof(kind), values)
+_DOUBLES = ffi.typeof("double[]")
+_NULL = ffi.NULL
+
+
+def pointer(values: NDArray[Any] | None, kind: str = "") -> Any:
+    """A pointer to the numbers of an array, which it keeps alive; by default to ``double[]``."""
+    return _NULL if values is None else ffi.from_buffer(ffi.typeof(kind) if kind else _DOUBLES, values)
 
 
 def take(memory: Any, shape: tuple[int, ...], dtype: Any = np.float64) -> NDArray[Any]:

@@ -9,7 +9,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, call_named, drawn, ffi, flag, lib, options, pointer, report, Rows, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, call_named, drawn, ffi, flag, lib, options, pointer, report, Rows, shared_options, shown,
                           take, takes, written)
 from batten.spaces import Space, space_of
 
@@ -37,8 +37,7 @@ class Curve(np.ndarray[Any, np.dtype[np.float64]]):
     corners: NDArray[np.bool_] | None
 
     def __array_finalize__(self, other: Any) -> None:
-        for name, default in (("space", None), ("closed", False), ("channels", None), ("corners", None)):
-            setattr(self, name, getattr(other, name, default))
+        self.__dict__.update(other.__dict__ if isinstance(other, Curve) else _BARE)
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
         return _plain(array) if array.ndim else array[()]
@@ -72,6 +71,10 @@ class Curve(np.ndarray[Any, np.dtype[np.float64]]):
     @drawn
     def _repr_svg_(self) -> str | None:
         return picture([self]) if self.ndim == 2 and len(self) > 1 and self.space is not None else None
+
+
+#: The attributes of a curve that nothing is known of.
+_BARE = {"space": None, "closed": False, "channels": None, "corners": None}
 
 
 def _plain(curve: Any) -> Any:
@@ -218,6 +221,7 @@ def _opened(points: Floats, ends: Any, *rest: Any) -> Any:
     return points[keep], None if ends is None else ends - np.concatenate([[0], np.cumsum(repeated)]), *rows
 
 
+_REFINED = ffi.typeof("batten_refined *")
 _Several = Curves | Sequence[NDArray[Any]] | Sequence[Sequence[Sequence[float]]]
 
 
@@ -269,9 +273,12 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     >>> batten.refine([square, square[:3]], scheme="chaikin", levels=1).offsets
     array([ 0,  8, 14])
     """
-    if hasattr(points, "geom_type"):
+    if type(points) is np.ndarray and offsets is None:
+        joined, ends = array(points, "points", 0), None
+    elif hasattr(points, "geom_type"):
         raise TypeError("points: arrays are needed; batten.smooth() takes geometries of shapely and geopandas")
-    joined, ends = _joined(points, offsets)
+    else:
+        joined, ends = _joined(points, offsets)
     where = space_of(space, joined.shape[1])
     if flag(closed, "closed"):
         joined, ends, channels, corners = _opened(joined, ends, channels, corners)
@@ -279,26 +286,29 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
         settings.setdefault("scheme", "learned")
     if where.functions:
         settings["threads"] = 1
-    how = options("bat_curve_refine_options", settings)
-    done = how.report = ffi.new("bat_curve_refine_report *")
     if ends is not None:
         if channels is not None or corners is not None:
             raise ValueError("channels and corners go with a single curve")
+        how = options("bat_curve_refine_options", settings)
+        done = how.report = ffi.new("bat_curve_refine_report *")
         result: Any = _refine_many(joined, ends, where, closed, how, progress)
     else:
+        how, keep = shared_options("bat_curve_refine_options", settings)
         values = None if channels is None else array(channels, "channels", 0)
         flags = None if corners is None else (array(corners, "corners", None) != 0).astype(np.uint8)
         if (values is not None and len(values) != len(joined)) or (flags is not None and flags.shape != (len(joined),)):
             raise ValueError(f"channels and corners: a row for each of the {len(joined)} points is needed")
-        coarse, fine = ffi.new("bat_curve *", _struct(joined, where, closed, values, flags)), ffi.new("bat_curve *")
+        refined = ffi.new(_REFINED)
+        fine, done, width = refined.curve, refined.report, 0 if values is None else values.shape[1]
         with shown(progress, "refining"):
-            call(lib.bat_curve_refine, coarse, how, fine)
+            call(lib.batten_refine, where.struct, pointer(joined), len(joined), closed, pointer(values), width,
+                 pointer(flags, "unsigned char[]"), how, refined)  # fmt: skip
         count = fine.count
         result = _curve(take(fine.points, (count, where.point_dim)), {
             "space": where, "closed": bool(closed),
             "channels": None if values is None else take(fine.channels, (count, fine.channel_count)),
             "corners": None if fine.corners == ffi.NULL else take(fine.corners, (count,), np.bool_)})  # fmt: skip
-    if type(points).__module__.split(".")[0] == "xarray":
+    if type(points) is not np.ndarray and type(points).__module__.split(".")[0] == "xarray":
         result = type(points)(result, dims=points.dims, coords={points.dims[1]: points[points.dims[1]]}, attrs=points.attrs, name=points.name)
     if done.given_crossing or done.left_crossing:
         warnings.warn(f"{done.given_crossing} given and {done.left_crossing} refined curves cross themselves",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import os
 import warnings
 from typing import Any
@@ -122,10 +123,6 @@ class Motion:
         return array(given, "times", None)
 
     def _at(self, times: ArrayLike, which: int) -> Floats:
-        if type(times) is float and which == 0:  # without what arrays cost
-            pose = np.empty(self.space.point_dim)
-            call(lib.bat_motion_spline_sample, self._spline, ffi.new("double *", times), 1, ffi.from_buffer("double[]", pose), ffi.NULL, ffi.NULL)
-            return pose
         moments = self._seconds(times)
         widths = [self.space.point_dim, self.space.tangent_dim, self.space.tangent_dim]
         made = [np.empty((*moments.shape, width)) for width in widths]
@@ -135,6 +132,10 @@ class Motion:
 
     def __call__(self, times: ArrayLike) -> Any:
         """The poses at times, in the form of those that the motion was made of."""
+        if isinstance(times, float):  # without what arrays cost
+            pose, is_rotation = np.empty(self.space.point_dim), self._form == "Rotation"
+            call(lib.batten_pose, self._spline, times, is_rotation, pointer(pose))
+            return _rotation(pose) if is_rotation else _form(pose, self._form)
         return _form(self._at(times, 0), self._form)
 
     def velocity(self, times: ArrayLike) -> Floats:
@@ -309,6 +310,32 @@ def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:
     if not np.array_equal(given[:, 3], np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(given), 4))):
         raise ValueError("poses: the last row of a rigid motion's matrix is (0, 0, 0, 1)")
     return np.hstack([given[:, :3, 3], rows]), "rigid matrices", "rigid"
+
+
+@functools.cache
+def _rotations() -> tuple[Any, dict[str, Any] | None]:
+    """The class of rotations of scipy, whose constructor takes longer than six poses, and what it sets beside the quaternion;
+    None where that is not known."""
+    from scipy.spatial.transform import Rotation
+
+    first, second = np.array([0.5, -0.5, 0.5, 0.5]), np.array([0.5, 0.5, 0.5, -0.5])
+    found = dict(getattr(Rotation(first), "__dict__", {}))
+    quaternion = found.pop("_quat", None)
+    if found.keys() != {"_xp", "_single", "_backend"} or getattr(quaternion, "shape", None) != (1, 4):
+        return Rotation, None
+    made = object.__new__(Rotation)
+    made.__dict__.update(found, _quat=second[None])
+    return Rotation, found if np.array_equal(made.as_matrix(), Rotation(second).as_matrix()) else None
+
+
+def _rotation(quaternion: Floats) -> Any:
+    """The rotation of scipy of a unit quaternion (x, y, z, w)."""
+    kind, attributes = _rotations()
+    if attributes is None:
+        return kind(quaternion)
+    made = object.__new__(kind)
+    made.__dict__.update(attributes, _quat=quaternion[None])
+    return made
 
 
 def _form(points: Floats, form: str) -> Any:
