@@ -47,6 +47,15 @@ void *memory_pool_zeros(memory_pool *pool, size_t count, size_t size);
 bat_status memory_pool_check(const memory_pool *pool, bat_error *error);
 void memory_pool_free(memory_pool *pool);
 
+/// Exchange two variables of one type.
+#define SWAP(a, b)                                                                                                          \
+    do                                                                                                                      \
+    {                                                                                                                       \
+        __typeof__(a) swapped = (a);                                                                                        \
+        (a) = (b);                                                                                                          \
+        (b) = swapped;                                                                                                      \
+    } while (0)
+
 /// The order of two numbers, for qsort(): the lesser first. Neither is NaN.
 #define ORDER_OF(x, y) (((x) > (y)) - ((x) < (y)))
 

@@ -290,9 +290,7 @@ bool iterated_mask_step(iterated_mask *iterated)
         for (size_t i = 0; i < iterated->count; i++)
             target[i] += factor * iterated->coefficients[i];
     }
-    double *swap = iterated->coefficients;
-    iterated->coefficients = iterated->next;
-    iterated->next = swap;
+    SWAP(iterated->coefficients, iterated->next);
     iterated->count = count;
     iterated->arity *= 2;
     return true;

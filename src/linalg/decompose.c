@@ -86,9 +86,7 @@ bat_status decompose_symmetric(size_t n, double *a, double *values, bat_error *e
         for (size_t i = k + 1; i < n; i++)
             if (values[i] < values[least])
                 least = i;
-        double value = values[least];
-        values[least] = values[k];
-        values[k] = value;
+        SWAP(values[least], values[k]);
         for (size_t i = 0; i < n; i++)
         {
             double entry = vectors[least * n + i];
@@ -108,11 +106,7 @@ static const size_t BLOCK = 48;
 static void swap_rows(size_t count, double *a, double *b)
 {
     for (size_t j = 0; j < count; j++)
-    {
-        double kept = a[j];
-        a[j] = b[j];
-        b[j] = kept;
-    }
+        SWAP(a[j], b[j]);
 }
 
 static void subtract_row(size_t count, double factor, const double *from, double *row)

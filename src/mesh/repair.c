@@ -241,12 +241,9 @@ static void turn_faces(repair_work *work, const unsigned char *turn, bat_mesh_re
     {
         if (turn[f] != TURNED)
             continue;
-        uint32_t *corner = work->faces + 3 * f, *twin = work->twin + 3 * f, kept = corner[1];
-        corner[1] = corner[2];
-        corner[2] = kept;
-        kept = twin[0];
-        twin[0] = twin[2];
-        twin[2] = kept;
+        uint32_t *corner = work->faces + 3 * f, *twin = work->twin + 3 * f;
+        SWAP(corner[1], corner[2]);
+        SWAP(twin[0], twin[2]);
         report->flipped_faces++;
     }
 }

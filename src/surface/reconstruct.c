@@ -425,9 +425,7 @@ static bat_status fit_kinds(reconstruction *work, bat_error *error)
     // The chosen grid is the first of its name.
     if (work->best == &work->candidates[1] && work->kinds[1] == BAT_SURFACE_PARAMETERS_TENSOR)
     {
-        surface_candidate better = *work->best;
-        work->candidates[1] = work->candidates[0];
-        work->candidates[0] = better;
+        SWAP(work->candidates[0], work->candidates[1]);
         work->best = work->candidates;
     }
     for (size_t i = 0; i < work->kind_count; i++)

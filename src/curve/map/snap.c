@@ -290,11 +290,8 @@ static bool note_pair(void *context, edge_place first, edge_place second)
 static int compare_added(const void *a, const void *b)
 {
     const added_vertex *p = a, *q = b;
-    if (p->curve != q->curve)
-        return p->curve < q->curve ? -1 : 1;
-    if (p->edge != q->edge)
-        return p->edge < q->edge ? -1 : 1;
-    return (p->share > q->share) - (p->share < q->share);
+    int order = p->curve != q->curve ? ORDER_OF(p->curve, q->curve) : ORDER_OF(p->edge, q->edge);
+    return order != 0 ? order : ORDER_OF(p->share, q->share);
 }
 
 /// Find the points that lie near edges of other curves, or of other parts of their own.

@@ -311,9 +311,7 @@ static edge_place *find_edge(const network_builder *builder, edge_place edge)
 
 static int compare_sizes(const void *a, const void *b)
 {
-    size_t p = *(const size_t *)a;
-    size_t q = *(const size_t *)b;
-    return (p > q) - (p < q);
+    return ORDER_OF(*(const size_t *)a, *(const size_t *)b);
 }
 
 DEFINE_ORDER(compare_pairs, feature_pair, b, a)

@@ -435,11 +435,7 @@ static void draw_frame(cairo_t *cairo, const body_frame *frame)
     for (int i = 0; i < 3; i++)
         for (int j = i + 1; j < 3; j++)
             if (frame->axes[order[j]][2] < frame->axes[order[i]][2])
-            {
-                int swapped = order[i];
-                order[i] = order[j];
-                order[j] = swapped;
-            }
+                SWAP(order[i], order[j]);
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < 3; i++)
         {
@@ -486,11 +482,7 @@ static bat_status draw_frames(cairo_t *cairo, const film *shown, const film_trac
     }
     for (size_t i = 1; i < count; i++) // insertion sort by depth
         for (size_t j = i; j > 0 && frames[j].depth < frames[j - 1].depth; j--)
-        {
-            body_frame swapped = frames[j];
-            frames[j] = frames[j - 1];
-            frames[j - 1] = swapped;
-        }
+            SWAP(frames[j], frames[j - 1]);
     for (size_t i = 0; i < count; i++)
         draw_frame(cairo, &frames[i]);
     return BAT_OK;

@@ -285,9 +285,5 @@ void surface_patch_turn(bat_mesh *mesh, const double eye[3])
     if ((fabs(facing) > OPEN_SHARE * seen ? facing : volume) >= 0)
         return;
     for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        uint32_t kept = mesh->faces[3 * f];
-        mesh->faces[3 * f] = mesh->faces[3 * f + 1];
-        mesh->faces[3 * f + 1] = kept;
-    }
+        SWAP(mesh->faces[3 * f], mesh->faces[3 * f + 1]);
 }

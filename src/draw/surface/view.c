@@ -1,5 +1,6 @@
 #include "draw/surface/scene.h"
 
+#include "base/memory.h"
 #include "linalg/symmetric.h"
 #include "linalg/vector.h"
 
@@ -44,11 +45,7 @@ static void principal_axes(const patch_points *patch, const double mean[3], doub
     for (int i = 0; i < 2; i++)
         for (int k = i + 1; k < 3; k++)
             if (moments[4 * order[k]] < moments[4 * order[i]])
-            {
-                int kept = order[i];
-                order[i] = order[k];
-                order[k] = kept;
-            }
+                SWAP(order[i], order[k]);
     for (int i = 0; i < 3; i++)
     {
         variances[i] = fmax(moments[4 * order[i]], 0);

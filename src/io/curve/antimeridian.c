@@ -455,12 +455,8 @@ static void follow_border(const degree_grid *grid, const border *edge, size_t *c
 
 static void reverse(globe_position *positions, size_t count)
 {
-    for (size_t i = 0, j = count; i + 1 < j; i++)
-    {
-        const globe_position other = positions[i];
-        positions[i] = positions[--j];
-        positions[j] = other;
-    }
+    for (size_t i = 0, j = count; i + 1 < j; i++, j--)
+        SWAP(positions[i], positions[j - 1]);
 }
 
 /// Rotate a ring so that it begins at its vertex `start`.

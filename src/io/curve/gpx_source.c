@@ -158,11 +158,7 @@ void gpx_columns_sort(gpx_source *source)
         columns[i].rank = rank_of(source, &columns[i]);
         columns[i].decimals = columns[i].rank == 0 ? ALTITUDE_DECIMALS : 0;
         for (size_t k = i; k > 0 && compare_columns(source, &columns[k - 1], &columns[k]) > 0; k--)
-        {
-            gpx_column other = columns[k];
-            columns[k] = columns[k - 1];
-            columns[k - 1] = other;
-        }
+            SWAP(columns[k], columns[k - 1]);
     }
     source->altitude = BAT_NO_INDEX;
     for (size_t i = 0; i < source->column_count; i++)

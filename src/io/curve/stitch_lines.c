@@ -370,11 +370,7 @@ static bool make_lines(const line_job *job, bool close, stitch_geometry *made, s
     return done;
 }
 
-static int compare_origins(const void *a, const void *b)
-{
-    const stitch_origin *p = a, *q = b;
-    return (p->part > q->part) - (p->part < q->part);
-}
+DEFINE_ORDER(compare_origins, stitch_origin, part, ring)
 
 /// Order the curves by their first lines, and take over the lines that did not change.
 static bool replace(stitch_geometry *geometry, stitch_geometry *made)

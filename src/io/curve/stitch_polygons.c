@@ -299,11 +299,8 @@ static void cancel(stitch_edges *edges, size_t first, size_t second)
 static int compare_pieces(const void *a, const void *b)
 {
     const seam_piece *p = a, *q = b;
-    if (p->interval != q->interval)
-        return p->interval < q->interval ? -1 : 1;
-    if (p->up != q->up)
-        return p->up ? -1 : 1;
-    return (p->edge > q->edge) - (p->edge < q->edge);
+    int order = p->interval != q->interval ? ORDER_OF(p->interval, q->interval) : ORDER_OF(q->up, p->up);
+    return order != 0 ? order : ORDER_OF(p->edge, q->edge);
 }
 
 /// Cancel the half-edges of every interval that run up and down, in pairs.
@@ -666,11 +663,7 @@ static bool collect(const stitch_edges *edges, const traced_ring *ring, stitch_p
     if (!edges->rings[ring->given].reversed)
         return true;
     for (size_t i = 1, j = path->count - 1; i < j; i++, j--)
-    {
-        stitch_vertex other = path->vertices[i];
-        path->vertices[i] = path->vertices[j];
-        path->vertices[j] = other;
-    }
+        SWAP(path->vertices[i], path->vertices[j]);
     return true;
 }
 

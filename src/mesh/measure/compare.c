@@ -377,9 +377,7 @@ static bat_status compare_refine(compare_way *way, double diagonal, const bat_me
         in_memory = halve_all(way, limit, options->threads, &parts, &halves);
         if (!in_memory)
             break;
-        pieces kept = parts;
-        parts = halves;
-        halves = kept;
+        SWAP(parts, halves);
         limit = limit_of(way, diagonal, options->tolerance);
         drop_settled(&parts, limit, way);
     }

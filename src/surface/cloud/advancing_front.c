@@ -143,8 +143,7 @@ static int compare_tetrahedron_sides(const void *a, const void *b)
 
 static int compare_indices(const void *a, const void *b)
 {
-    uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-    return (p > q) - (p < q);
+    return ORDER_OF(*(const uint32_t *)a, *(const uint32_t *)b);
 }
 
 DEFINE_ORDER(compare_sides, front_side, key, triangle)

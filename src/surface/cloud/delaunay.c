@@ -102,11 +102,7 @@ bat_status planar_delaunay(const double (*planar)[2], size_t count, simplices *t
         if (area == 0)
             continue;
         if (area < 0)
-        {
-            uint32_t swap = corners[1];
-            corners[1] = corners[2];
-            corners[2] = swap;
-        }
+            SWAP(corners[1], corners[2]);
         memcpy(triangles->corners + 3 * triangles->count++, corners, sizeof corners);
     }
     return status;

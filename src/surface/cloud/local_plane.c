@@ -31,11 +31,7 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list)
     for (int i = 0; i < 3; i++)
         for (int j = i + 1; j < 3; j++)
             if (moment[4 * order[j]] > moment[4 * order[i]])
-            {
-                int swap = order[i];
-                order[i] = order[j];
-                order[j] = swap;
-            }
+                SWAP(order[i], order[j]);
     for (int i = 0; i < 3; i++)
     {
         memcpy(plane.axes[i], vectors + 3 * (ptrdiff_t)order[i], sizeof plane.axes[i]);

@@ -238,9 +238,7 @@ static void sort_keys(uint64_t *keys, uint64_t *other, size_t count)
         }
         for (size_t i = 0; i < count; i++)
             other[place[keys[i] >> shift & (RADIX_SIZE - 1)]++] = keys[i];
-        uint64_t *swap = keys;
-        keys = other;
-        other = swap;
+        SWAP(keys, other);
     }
 }
 

@@ -368,9 +368,7 @@ static double take_step(dirichlet_map *map, double energy, double slope)
         double reached = dirichlet_energy(map, map->next);
         if (!(reached <= energy - ARMIJO * step * slope))
             continue;
-        double *swap = map->parameters;
-        map->parameters = map->next;
-        map->next = swap;
+        SWAP(map->parameters, map->next);
         return reached;
     }
     return energy;

@@ -169,11 +169,7 @@ typedef struct spoke
     size_t place;
 } spoke;
 
-static int compare_spokes(const void *a, const void *b)
-{
-    const spoke *first = a, *second = b;
-    return (first->angle > second->angle) - (first->angle < second->angle);
-}
+DEFINE_ORDER(compare_spokes, spoke, angle, angle)
 
 static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, spoke spokes[STAR_MAX_RING], size_t *count)
 {

@@ -546,11 +546,7 @@ static bool cut_tetrahedron(contour *work, const uint32_t nodes[4])
     {
         uint32_t cuts[3] = {cut_edge(work, n[0], n[1]), cut_edge(work, n[0], n[2]), cut_edge(work, n[0], n[3])};
         if (count == 3)
-        {
-            uint32_t second = cuts[1];
-            cuts[1] = cuts[2];
-            cuts[2] = second;
-        }
+            SWAP(cuts[1], cuts[2]);
         return add_triangle(work, cuts);
     }
     const uint32_t cuts[4] = {cut_edge(work, n[0], n[2]), cut_edge(work, n[0], n[3]), cut_edge(work, n[1], n[3]),

@@ -136,8 +136,7 @@ typedef struct row_builder
 
 static int compare_columns(const void *a, const void *b)
 {
-    uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-    return ORDER_OF(p, q);
+    return ORDER_OF(*(const uint32_t *)a, *(const uint32_t *)b);
 }
 
 static void add_vertex(row_builder *builder, uint32_t vertex, double weight)

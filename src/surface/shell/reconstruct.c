@@ -510,11 +510,7 @@ static bat_status face_outwards(bat_mesh *mesh, bat_error *error)
     bat_mesh_summary summary;
     bat_status status = bat_mesh_summarize(mesh, &summary, error);
     for (size_t f = 0; f < mesh->face_count && status == BAT_OK && summary.volume < 0; f++)
-    {
-        uint32_t second = mesh->faces[3 * f + 1];
-        mesh->faces[3 * f + 1] = mesh->faces[3 * f + 2];
-        mesh->faces[3 * f + 2] = second;
-    }
+        SWAP(mesh->faces[3 * f + 1], mesh->faces[3 * f + 2]);
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/option.h"
 
 #include <limits.h>
@@ -235,9 +236,7 @@ bat_status bat_hierarchical_space_refine(bat_hierarchical_space *space, const ba
     bat_status status = hierarchical_space_refined(space, boxes, count, SIZE_MAX, &functions, &refined, error);
     if (status != BAT_OK)
         return status;
-    bat_hierarchical_space old = *space;
-    *space = *refined;
-    *refined = old;
+    SWAP(*space, *refined);
     bat_hierarchical_space_free(refined);
     return BAT_OK;
 }

@@ -409,9 +409,7 @@ static bat_status unroll_cloud(const cloud_geometry *geometry, double (*places)[
 static int compare_places(const void *a, const void *b)
 {
     const double *p = a, *q = b;
-    if (p[0] != q[0])
-        return p[0] < q[0] ? -1 : 1;
-    return (p[1] > q[1]) - (p[1] < q[1]);
+    return p[0] != q[0] ? ORDER_OF(p[0], q[0]) : ORDER_OF(p[1], q[1]);
 }
 
 /// The convex hull of sorted places, counter-clockwise (Andrew, 1979). `hull` has room for 2 count. Returns its size.

@@ -175,9 +175,7 @@ static bat_status measure_spacing(outline_work *work, bat_error *error)
         for (int round = 0; round < ROUNDS; round++)
         {
             spread_areas(work, SPACING_RADII[pass], number, sums, next);
-            double *swap = sums;
-            sums = next;
-            next = swap;
+            SWAP(sums, next);
         }
         for (size_t i = 0; i < points; i++)
             work->spacing[i] = sums[2 * i + 1] > 0 ? sqrt(sums[2 * i] / sums[2 * i + 1]) : work->spacing[i];
