@@ -261,6 +261,7 @@ static bat_status read_trim(const json_file *file, bat_spline_trim *trim)
     {
         const json_t *loop = json_array_get(loops, l);
         trim->loop_count = l + 1;
+        trim->loops[l + 1] = made;
         for (size_t i = 0; i < json_array_size(loop) && good && status == BAT_OK; i++)
         {
             trim->loops[l + 1] = made + 1;
