@@ -124,9 +124,10 @@ extern BAT_API const bat_options_table bat_mesh_refine_fields;
 /// @param fine     receives the refined mesh; release it with bat_mesh_free()
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
 /// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for an option out of range
-///         or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, for a crease angle or rules with a
-///         scheme that knows neither, for a face of more than three corners with a scheme for triangles, and where
-///         BAT_MESH_BOUNDARY_NONE leaves no face; BAT_TOO_LARGE for more faces than 32-bit indices can number, or more
+///         or a crease along no edge; BAT_INVALID_POINT for a coordinate beyond 1e290, as sums would overflow;
+///         BAT_UNSUPPORTED for square-root-three with `limit`, for a crease angle or rules with a scheme that knows
+///         neither, for a face of more than three corners with a scheme for triangles, and where BAT_MESH_BOUNDARY_NONE
+///         leaves no face; BAT_TOO_LARGE for more faces than 32-bit indices can number, or more
 ///         memory than `max_memory`; BAT_NO_MEMORY; BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);

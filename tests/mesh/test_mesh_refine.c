@@ -631,6 +631,11 @@ static void test_refusals(void **state)
     check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
     mesh.creases = NULL;
     mesh.crease_count = 0;
+    // Found by fuzzing: sums of such coordinates overflow to NaN.
+    double kept = mesh.positions[0];
+    mesh.positions[0] = 1.4e308;
+    check_refused(&mesh, &options, BAT_INVALID_POINT);
+    mesh.positions[0] = kept;
     mesh.faces[0] = mesh.faces[1];
     check_refused(&mesh, &options, BAT_INVALID_POINT);
     bat_mesh_free(&mesh);

@@ -5,6 +5,7 @@
 #include "mesh/refine/brake.h"
 #include "mesh/refine/plan.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -773,6 +774,16 @@ static bat_status choose_scheme(const bat_mesh *mesh, bat_mesh_refine_options *h
     return status;
 }
 
+/// Refuse coordinates whose weighted sums can overflow.
+static bat_status check_coordinates(const bat_mesh *mesh, bat_error *error)
+{
+    static const double MAX_COORDINATE = 1e290;
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+        if (fabs(mesh->positions[i]) > MAX_COORDINATE)
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "vertex %zu is too far from the origin", i / 3);
+    return BAT_OK;
+}
+
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
                            bat_error *error)
 {
@@ -786,6 +797,8 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     bat_status status = bat_mesh_check(coarse, error);
     if (status == BAT_OK)
         status = bat_options_check(&bat_mesh_refine_fields, &how, error);
+    if (status == BAT_OK && (how.levels > 0 || how.limit))
+        status = check_coordinates(coarse, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
         status = choose_scheme(coarse, &how, error);
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
