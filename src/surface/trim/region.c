@@ -66,6 +66,26 @@ static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_e
                             "trimming curve %zu is not a clamped planar spline in the unit square", index);
 }
 
+/// Whether all control points of curves lie on one line, so that their loop has no area.
+static bool lie_on_line(const bat_spline_curve *pieces, size_t count)
+{
+    const double *first = pieces[0].control, *far = first;
+    double length = 0, height = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < count; i++)
+            for (size_t k = 0; k < knot_vector_functions(&pieces[i].knots); k++)
+            {
+                const double *p = pieces[i].control + 2 * k, x = p[0] - first[0], y = p[1] - first[1];
+                if (pass == 0 && hypot(x, y) > length)
+                {
+                    length = hypot(x, y);
+                    far = p;
+                }
+                height = fmax(height, fabs((far[0] - first[0]) * y - (far[1] - first[1]) * x) * pass);
+            }
+    return height <= CLOSED * length * length;
+}
+
 bat_status spline_trim_check(const bat_spline_trim *trim, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -86,6 +106,8 @@ bat_status spline_trim_check(const bat_spline_trim *trim, bat_error *error)
         }
         if (status != BAT_OK)
             return status;
+        if (lie_on_line(trim->pieces + begin, end - begin))
+            return error_set(error, BAT_INVALID_ARGUMENT, l, 0, "trimming loop %zu has no area", l);
     }
     return BAT_OK;
 }
