@@ -23,14 +23,11 @@
 
 void *memory_array(size_t count, size_t size)
 {
-    // A large array is in large pages where the system has them: entering a page costs about as much as writing it. Small
-    // ones come from malloc(), which keeps them at hand.
-    static const size_t CACHE_LINE = 64, SMALL = 1 << 10, LARGE_PAGE = 2 << 20;
+    // A large array is in large pages where the system has them: entering a page costs about as much as writing it.
+    static const size_t CACHE_LINE = 64, LARGE_PAGE = 2 << 20;
     size_t bytes;
     if (size_multiply_overflows(count, size, &bytes) || bytes > SIZE_MAX - LARGE_PAGE)
         return NULL;
-    if (bytes < SMALL)
-        return malloc(bytes + 1);
     size_t unit = bytes < LARGE_PAGE ? CACHE_LINE : LARGE_PAGE;
     void *memory = aligned_alloc(unit, (bytes + unit) / unit * unit);
 #if defined(MADV_HUGEPAGE)

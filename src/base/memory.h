@@ -16,8 +16,7 @@ static inline size_t size_clipped(uint64_t number)
     return (size_t)(number < SIZE_MAX ? number : SIZE_MAX);
 }
 
-/// An uninitialized array of `count` elements of `size` bytes, aligned to 64 bytes from 1 KB on, but
-/// not on Windows; release it with free().
+/// An uninitialized array of `count` elements of `size` bytes, aligned to 64 bytes but on Windows; release it with free().
 /// Null when out of memory, when the size overflows; never null for a count of 0.
 void *memory_array(size_t count, size_t size);
 
