@@ -169,7 +169,11 @@ typedef struct spoke
     size_t place;
 } spoke;
 
-DEFINE_ORDER(compare_spokes, spoke, angle, angle)
+static int compare_spokes(const void *a, const void *b)
+{
+    const spoke *first = a, *second = b;
+    return ORDER_OF(first->angle, second->angle);
+}
 
 static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, spoke spokes[STAR_MAX_RING], size_t *count)
 {
