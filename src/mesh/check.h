@@ -12,6 +12,10 @@ bat_status mesh_check_triangles(const bat_mesh *mesh, bat_error *error);
 /// The same, but accepts faces that name a vertex twice.
 bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error);
 
+/// Checks that no coordinate of a mesh exceeds `most`, so that sums of them do not overflow.
+/// @return BAT_OK or BAT_INVALID_POINT
+bat_status mesh_check_coordinates(const bat_mesh *mesh, double most, bat_error *error);
+
 /// Cut the polygons of a mesh, which have three or more existing vertices each, into triangles in place: quads along the
 /// better diagonal, convex polygons as a fan from corner 0, any other by ear clipping.
 /// @param offsets receives the offsets of the polygons, which the mesh no longer has; release them with free()

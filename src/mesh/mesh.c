@@ -231,6 +231,14 @@ bat_status mesh_check_triangles(const bat_mesh *mesh, bat_error *error)
     return status == BAT_OK ? check_degenerate(mesh, error) : status;
 }
 
+bat_status mesh_check_coordinates(const bat_mesh *mesh, double most, bat_error *error)
+{
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+        if (fabs(mesh->positions[i]) > most)
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "vertex %zu is too far from the origin", i / 3);
+    return BAT_OK;
+}
+
 static bat_status check_offsets(const bat_mesh *mesh, bat_error *error)
 {
     for (size_t f = 0; f < mesh->face_count; f++)

@@ -685,13 +685,9 @@ static bat_mesh_distance put_together(const compare_way ways[2], double diagonal
 static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error *error)
 {
     bat_status status = mesh_check_triangles(mesh, error);
-    if (status != BAT_OK)
-        return error_prefix(error, status, "the %s mesh: ", which);
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-        if (fabs(mesh->positions[i]) > DBL_MAX / 4)
-            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "the %s mesh: vertex %zu is too far from the origin", which,
-                             i / 3);
-    return BAT_OK;
+    if (status == BAT_OK)
+        status = mesh_check_coordinates(mesh, DBL_MAX / 4, error);
+    return status == BAT_OK ? BAT_OK : error_prefix(error, status, "the %s mesh: ", which);
 }
 
 static const option_field FIELDS[] = {

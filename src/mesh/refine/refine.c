@@ -5,7 +5,6 @@
 #include "mesh/refine/brake.h"
 #include "mesh/refine/plan.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +14,9 @@
 /// Vertices keep their indices. The schemes that split faces in four number the new vertices by edge, so the next level's
 /// connectivity follows by arithmetic (see level.h). Square-root-three subdivision numbers them by face. Quads have no
 /// offsets until the end.
+
+/// The largest coordinate that is refined: weighted sums of larger ones can overflow.
+static const double MAX_COORDINATE = 1e290;
 
 // Faces at the boundary, where a scheme has no surface without rules for boundaries.
 
@@ -774,16 +776,6 @@ static bat_status choose_scheme(const bat_mesh *mesh, bat_mesh_refine_options *h
     return status;
 }
 
-/// Refuse coordinates whose weighted sums can overflow.
-static bat_status check_coordinates(const bat_mesh *mesh, bat_error *error)
-{
-    static const double MAX_COORDINATE = 1e290;
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-        if (fabs(mesh->positions[i]) > MAX_COORDINATE)
-            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "vertex %zu is too far from the origin", i / 3);
-    return BAT_OK;
-}
-
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
                            bat_error *error)
 {
@@ -798,7 +790,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = bat_options_check(&bat_mesh_refine_fields, &how, error);
     if (status == BAT_OK && (how.levels > 0 || how.limit))
-        status = check_coordinates(coarse, error);
+        status = mesh_check_coordinates(coarse, MAX_COORDINATE, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
         status = choose_scheme(coarse, &how, error);
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
