@@ -69,20 +69,24 @@ static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_e
 /// Whether all control points of curves lie on one line, so that their loop has no area.
 static bool lie_on_line(const bat_spline_curve *pieces, size_t count)
 {
-    const double *first = pieces[0].control, *far = first;
-    double length = 0, height = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t i = 0; i < count; i++)
-            for (size_t k = 0; k < knot_vector_functions(&pieces[i].knots); k++)
-            {
-                const double *p = pieces[i].control + 2 * k, x = p[0] - first[0], y = p[1] - first[1];
-                if (pass == 0 && hypot(x, y) > length)
-                {
-                    length = hypot(x, y);
-                    far = p;
-                }
-                height = fmax(height, fabs((far[0] - first[0]) * y - (far[1] - first[1]) * x) * pass);
-            }
+    const double *first = pieces[0].control;
+    double way[2] = {0, 0}, length = 0, height = 0;
+    for (size_t i = 0; i < count; i++) // the way to the farthest
+        for (size_t k = 0; k < knot_vector_functions(&pieces[i].knots); k++)
+        {
+            const double *p = pieces[i].control + 2 * k;
+            if (hypot(p[0] - first[0], p[1] - first[1]) <= length)
+                continue;
+            way[0] = p[0] - first[0];
+            way[1] = p[1] - first[1];
+            length = hypot(way[0], way[1]);
+        }
+    for (size_t i = 0; i < count; i++) // heights over it, times its length
+        for (size_t k = 0; k < knot_vector_functions(&pieces[i].knots); k++)
+        {
+            const double *p = pieces[i].control + 2 * k;
+            height = fmax(height, fabs(way[0] * (p[1] - first[1]) - way[1] * (p[0] - first[0])));
+        }
     return height <= CLOSED * length * length;
 }
 
