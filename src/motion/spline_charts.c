@@ -45,12 +45,14 @@ static bool fill_end(size_t n, double scale, double (*first)[N], double (*second
     double *bend = push + 2 * n * n, square = scale * scale;
     for (size_t i = 0, line = n; i < n; i++)
         for (size_t j = i; j < n; j++, bend += n)
+        {
             for (size_t c = 0; c < n; c++)
             {
                 push[c * n + i] = first[i][c] / scale;
                 bend[c] = (i == j ? second[i][c] : second[line][c] - second[i][c] - second[j][c]) / square;
-                line += i != j && c + 1 == n;
             }
+            line += j > i;
+        }
     return invert(n, push);
 }
 
