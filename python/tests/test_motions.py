@@ -34,6 +34,10 @@ def test_rotation_spline_of_scipy_beside_ours():
     assert errors[0] < errors[1] < 0.05
     np.testing.assert_allclose(ours(keys).as_matrix(), truth(keys).as_matrix(), atol=1e-14)
     assert ours(0.5).as_quat().shape == (4,) and ours.velocity(0.5).shape == (3,)
+    for t in (0.5, np.float64(0.5), at[77]):  # one time goes its own way
+        assert isinstance(ours(t), Rotation) and ours(t).single
+        np.testing.assert_array_equal(ours(t).as_quat(), ours([t])[0].as_quat())
+        np.testing.assert_array_equal((ours(t) * truth(t)).as_matrix(), (ours([t])[0] * truth(t)).as_matrix())
 
 
 def test_forms_of_poses(random):
