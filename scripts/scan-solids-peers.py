@@ -29,13 +29,11 @@ def sample(points, faces, count, random):
     return (1 - r) * a[on] + r * (1 - s) * b[on] + r * s * c[on], normals[on] / areas[on, None]
 
 
-def distance(batten, result, truth):
+def distances(batten, result, truth):
+    """The root mean square distance of two surfaces, the greater of both ways, and the largest."""
     text = subprocess.run([batten, "measure", result, truth, "--mesh", "--accuracy", "0.01", "--json"], check=True,
                           capture_output=True, text=True).stdout
-    return json.loads(text)
-
-
-def rms(found):
+    found = json.loads(text)
     return max(found["rms_from_first"], found["rms_from_second"]), found["hausdorff"]
 
 
@@ -84,7 +82,7 @@ def main():
                 unit = noise * diagonal if noise > 0 else diagonal / 100
                 row = {"mesh": os.path.basename(mesh), "noise": noise, "seconds": seconds}
                 if run.returncode == 0:
-                    mean, largest = rms(distance(batten, ours, truth))
+                    mean, largest = distances(batten, ours, truth)
                     row |= {"rms": mean / unit, "largest": 100 * largest / diagonal}
                 else:
                     row["refused"] = run.stderr.strip().split("\n")[-1]
@@ -92,7 +90,7 @@ def main():
                 for depth in (8, 9):
                     path = os.path.join(folder, f"poisson-{depth}.ply")
                     poisson(points, normals, depth, path)
-                    peers.append(rms(distance(batten, path, truth)))
+                    peers.append(distances(batten, path, truth))
                 mean, largest = min(peers)
                 row |= {"poisson_rms": mean / unit, "poisson_largest": 100 * largest / diagonal}
                 rows.append(row)
