@@ -616,6 +616,18 @@ static void reading_writes_nothing(void **state)
     assert_int_equal(count_files(false), 2);
 }
 
+/// GDAL would look for the end of the second line for ever.
+static void a_drawing_that_is_not_text_is_refused(void **state)
+{
+    (void)state;
+    static const char DRAWING[] = {'\n', ')', '\r', '\0'};
+    FILE *file = fopen("a.dxf", "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(DRAWING, 1, sizeof DRAWING, file), sizeof DRAWING);
+    assert_int_equal(fclose(file), 0);
+    refuse("a.dxf", NULL, BAT_BAD_FILE, "save it again as DXF in ASCII");
+}
+
 static void options_of_other_formats_are_refused(void **state)
 {
     (void)state;
@@ -672,6 +684,7 @@ int main(void)
         GIS_TEST(a_layer_without_altitudes_has_no_measures_in_geojson),
         GIS_TEST(limits_bound_what_is_read),
         GIS_TEST(reading_writes_nothing),
+        GIS_TEST(a_drawing_that_is_not_text_is_refused),
         GIS_TEST(options_of_other_formats_are_refused),
 #else
         GIS_TEST(a_build_without_gdal_says_what_to_install),

@@ -574,6 +574,21 @@ static bat_status check_path(const char *path, bool folders, const bat_limits *l
     return file_text_bytes(limits, *bytes, error);
 }
 
+/// GDAL looks for ever for the end of a line of a drawing that has a zero byte.
+static bat_status check_drawing(const char *spelled, bat_error *error)
+{
+    char piece[1 << 12];
+    size_t got = 0;
+    bool zeros = false;
+    VSILFILE *file = gdal.VSIFOpenL(spelled, "rb");
+    while (file != NULL && !zeros && (got = gdal.VSIFReadL(piece, 1, sizeof piece, file)) > 0)
+        zeros = memchr(piece, '\0', got) != NULL;
+    if (file != NULL)
+        (void)gdal.VSIFCloseL(file);
+    return zeros ? error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the drawing is not text: save it again as DXF in ASCII")
+                 : BAT_OK;
+}
+
 bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_options *options, bat_curve_set *set,
                     bat_error *error)
 {
@@ -589,15 +604,18 @@ bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_
     char *spelled = gdal_path(path);
     if (drivers == NULL && spelled != NULL && strcmp(spelled, path) == 0)
         bytes = SIZE_MAX / 2;
-    char **allowed = drivers != NULL ? gdal.CSLTokenizeString2(drivers, ",", 0) : NULL;
-    GDALDatasetH dataset = spelled != NULL ? gdal.GDALOpenEx(spelled, GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR,
-                                                             (const char *const *)allowed, OPENING, NULL)
-                                           : NULL;
     if (spelled == NULL)
         status = error_memory(error, strlen(path));
-    else if (dataset == NULL)
+    else if (drivers != NULL && strcmp(drivers, "DXF") == 0)
+        status = check_drawing(spelled, error);
+    char **allowed = drivers != NULL ? gdal.CSLTokenizeString2(drivers, ",", 0) : NULL;
+    GDALDatasetH dataset = NULL;
+    if (status == BAT_OK)
+        dataset =
+            gdal.GDALOpenEx(spelled, GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, (const char *const *)allowed, OPENING, NULL);
+    if (status == BAT_OK && dataset == NULL)
         status = gdal_fault(&reader.messages, BAT_BAD_FILE, error, "GDAL cannot open the file");
-    else
+    if (status == BAT_OK)
         status = choose_layer(dataset, options, &reader.layer, error);
     if (status == BAT_OK)
         status = read_layer(&reader, dataset, bytes, options, set, error);
