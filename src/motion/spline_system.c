@@ -37,8 +37,9 @@ static const double SLOW = 0.3;
 static const double FAST = 0.85;
 
 /// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
-/// this many radians, at their rate of change beside it over this share of its time.
-static const double LONGER = 2.5, TOLD = 1.4, WIDE = 0.6;
+/// this many radians, at their rate of change beside it over this share of its time: for more where keys on both sides last
+/// so long, as in a recording with a hole.
+static const double LONGER = 2.5, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
 /// which its weight falls; and the weight below which it counts as held, and is not used.
@@ -369,8 +370,8 @@ static bool place_at(const spline_system *system, size_t from, ptrdiff_t steps, 
 }
 
 /// Add the squares of the velocity and of the acceleration on one side of a gap, over about as long a time as the gap takes:
-/// those of short steps are noise. Beyond another gap nothing counts.
-static void add_pace(const spline_system *system, size_t gap, int side, double pace[2])
+/// those of short steps are noise. Beyond another gap nothing counts. Whether the time is long enough for a recording.
+static bool add_pace(const spline_system *system, size_t gap, int side, double pace[2])
 {
     const bat_space *space = &system->factor->space;
     const double *h = system->lengths;
@@ -393,7 +394,7 @@ static void add_pace(const spline_system *system, size_t gap, int side, double p
         !place_at(system, near, side * steps, system->count, &far) ||
         space->log(space, point_of(system, middle), point_of(system, near), towards) != BAT_OK ||
         space->log(space, point_of(system, middle), point_of(system, far), away) != BAT_OK)
-        return;
+        return false;
     for (size_t c = 0; c < n; c++)
     {
         towards[c] /= half;
@@ -401,6 +402,7 @@ static void add_pace(const spline_system *system, size_t gap, int side, double p
     }
     pace[0] += pow(norm_at(system, middle, towards), 2);
     pace[1] += pow(norm_at(system, middle, away), 2);
+    return span >= WIDE * h[gap];
 }
 
 /// Find the weights of intervals, by the rows of measure_roughness(): as those of Salkauskas (C1 splines for interpolation
@@ -430,10 +432,12 @@ static void weigh(spline_system *system)
         weight = weight < HELD ? 0 : weight;
         system->weights[i] = fmax(weight * pow(fmin(h[i] / beside, 1), 1 - weight), MIN_WEIGHT);
         double pace[2] = {0};
-        for (int side = -1; side <= 1 && gap_of(system, i) > LONGER; side += 2)
-            add_pace(system, i, side, pace);
+        bool gap = gap_of(system, i) > LONGER, recorded = gap;
+        for (int side = -1; side <= 1 && gap; side += 2)
+            recorded = add_pace(system, i, side, pace) && recorded;
         if (pace[0] > 0)
-            system->calm[i] = fmax(1 - TOLD * sqrt(pace[0] / pace[1]) / h[i], 0);
+            system->calm[i] = 1 - (recorded ? TOLD_BY_RECORDING : TOLD) * sqrt(pace[0] / pace[1]) / h[i];
+        system->calm[i] = recorded ? system->calm[i] : fmax(system->calm[i], 0);
     }
 }
 
@@ -746,7 +750,7 @@ static bat_status estimate(spline_system *system, bat_error *error)
 static bool meets_rest(const spline_system *system, size_t i)
 {
     bool rests = system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
-    return system->weights[i] >= HELD && (rests || gap_of(system, i) > LONGER);
+    return system->weights[i] >= HELD && (rests || (gap_of(system, i) > LONGER && system->calm[i] >= 0));
 }
 
 /// Let the velocities at both ends of a gap go over to its mean velocity, the more the less they tell of the motion in it.

@@ -123,7 +123,8 @@ typedef struct spline_system
     double roughness;  ///< of accelerations, where the ends go by it; else 0
     // By interval.
     double *weights;      ///< of accelerations: below 1 where they are far above those around
-    double *calm;         ///< shares by which the velocities at the ends of gaps go over to the mean one
+    double *calm;         ///< shares by which the velocities at the ends of gaps go over to the mean one; below 0: not even
+                          ///< limited
     unsigned char *fixed; ///< of keys, a key_state: 0 while the velocity is unknown
     size_t held;          ///< intervals that spline_system_hold() found, or of little weight
 } spline_system;

@@ -633,6 +633,32 @@ static void gaps_are_crossed_gently(void **state)
     bat_motion_spline_free(spline);
 }
 
+/// A recording tells the motion in a hole that is no longer than itself, even where that turns back: nothing is limited.
+static void holes_of_recordings_turn_back(void **state)
+{
+    (void)state;
+    double times[101], points[101];
+    int count = 0;
+    bat_space line = bat_euclidean(1);
+    for (int i = 0; i <= 100; i++)
+    {
+        if (i > 40 && i < 55)
+            continue;
+        times[count] = i / 10.0;
+        points[count] = sin(times[count]);
+        count++;
+    }
+    bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = (size_t)count};
+    bat_motion_spline *spline = must_make(&curve, NULL);
+    for (int i = 0; i <= 100; i++)
+    {
+        double time = 4 + 1.5 * i / 100, p;
+        must_give(spline, time, &p, NULL, NULL);
+        assert_true(fabs(p - sin(time)) < 0.02);
+    }
+    bat_motion_spline_free(spline);
+}
+
 static void limited_motions_are_monotone(void **state)
 {
     (void)state;
@@ -1076,6 +1102,7 @@ int main(void)
         cmocka_unit_test(what_rests_stays_at_rest),
         cmocka_unit_test(motions_do_not_leave_their_keys),
         cmocka_unit_test(gaps_are_crossed_gently),
+        cmocka_unit_test(holes_of_recordings_turn_back),
         cmocka_unit_test(jumps_tell_no_velocity),
         cmocka_unit_test(limited_motions_are_monotone),
         cmocka_unit_test(limits_leave_smooth_data_alone),
