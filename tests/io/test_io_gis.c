@@ -616,6 +616,26 @@ static void reading_writes_nothing(void **state)
     assert_int_equal(count_files(false), 2);
 }
 
+/// Drivers that make a folder for another ending, in place of the file or beside it, leave nothing behind.
+static void folders_are_refused(void **state)
+{
+    (void)state;
+    bat_curve_write_options options = bat_curve_write_defaults();
+    bat_curve_set set = must_read(LINES, BAT_CURVE_FORMAT_GEOJSON, NULL);
+    static const char *const PATHS[] = {"a.xml", "a.other"};
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_error error = {0};
+        options.format = BAT_CURVE_FORMAT_KML;
+        assert_int_equal(bat_curve_write(PATHS[i], &set, &options, &error), BAT_UNSUPPORTED);
+        assert_non_null(strstr(error.text, "makes a folder here"));
+        options.format = BAT_CURVE_FORMAT_GDAL;
+        assert_int_equal(bat_curve_write(PATHS[i], &set, &options, &error), BAT_UNSUPPORTED);
+        assert_int_equal(count_files(true), 0);
+    }
+    bat_curve_set_free(&set);
+}
+
 /// GDAL would look for the end of the second line for ever.
 static void a_drawing_that_is_not_text_is_refused(void **state)
 {
@@ -684,6 +704,7 @@ int main(void)
         GIS_TEST(a_layer_without_altitudes_has_no_measures_in_geojson),
         GIS_TEST(limits_bound_what_is_read),
         GIS_TEST(reading_writes_nothing),
+        GIS_TEST(folders_are_refused),
         GIS_TEST(a_drawing_that_is_not_text_is_refused),
         GIS_TEST(options_of_other_formats_are_refused),
 #else

@@ -43,7 +43,7 @@
     X(OGR_L_StartTransaction) X(OSRClone) X(OSRCloneGeogCS) X(OSRDestroySpatialReference) X(OSRExportToWktEx) \
     X(OSRGetAngularUnits) X(OSRGetAuthorityCode) X(OSRGetAuthorityName) X(OSRGetDataAxisToSRSAxisMapping) \
     X(OSRGetPrimeMeridian) X(OSRIsGeographic) X(OSRIsSame) X(OSRNewSpatialReference) X(OSRSetAxisMappingStrategy) \
-    X(OSRSetFromUserInput) X(VSIFCloseL) X(VSIFOpenL) X(VSIFReadL) X(VSIFWriteL) X(VSIFree)
+    X(OSRSetFromUserInput) X(VSIFCloseL) X(VSIFOpenL) X(VSIFReadL) X(VSIFWriteL) X(VSIFree) X(VSIRmdirRecursive)
 // clang-format on
 
 #define GDAL_MEMBER(name) __typeof__(name) *name; // NOLINT(bugprone-macro-parentheses): a member

@@ -358,6 +358,28 @@ static void choose_name(const layer_writer *writer, const char *path, char *name
         *inner = '\0';
 }
 
+/// Remove a folder that a driver made in place of the file with a hidden name, or beside it, and refuse that.
+static bat_status refuse_folder(const char *path, bat_error *error)
+{
+    char *name = strdup(path);
+    if (name == NULL)
+        return error_memory(error, strlen(path));
+    bool found = false;
+    for (int pass = 0; pass < 2 && !found; pass++)
+    {
+        struct stat about;
+        char *dot = strrchr(name, '.');
+        if (pass == 1 && dot != NULL)
+            *dot = '\0';
+        found = atomic_is_hidden(name) && stat(name, &about) == 0 && S_ISDIR(about.st_mode);
+    }
+    if (found)
+        (void)gdal.VSIRmdirRecursive(name);
+    free(name);
+    return found ? ERROR_UNSUPPORTED(error, 0, "GDAL makes a folder here, not a file: take the format's own ending")
+                 : BAT_OK;
+}
+
 static bat_status create_layer(void *context, const char *path, bat_error *error)
 {
     layer_writer *writer = context;
@@ -388,7 +410,9 @@ static bat_status create_layer(void *context, const char *path, bat_error *error
         gdal.OSRDestroySpatialReference(system);
     if (status == BAT_OK && writer->messages.failures > 0)
         status = gdal_fault(&writer->messages, BAT_FILE_ACCESS, error, "GDAL cannot write the file");
-    return status;
+    bat_error refusal;
+    bat_status whole = refuse_folder(path, &refusal);
+    return status == BAT_OK && whole != BAT_OK ? error_copy(error, &refusal) : status;
 }
 
 /// Find the system of the set and, where the format needs it, the transformation to WGS 84.
