@@ -301,6 +301,20 @@ static void guessed_coordinates_keep_their_space(void **state)
     bat_curve_set_free(&set);
 }
 
+/// What is written says which column holds the coordinates, where a reader would refuse to guess it.
+static void one_named_column_stays_named(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("# columns: 1\n0,a\n1,b\n3,c\n", CSV, NULL);
+    char *text = must_write(&set, CSV);
+    assert_string_equal(text, "# space: euclidean\n# columns: 1\n0,a\n1,b\n3,c\n");
+    bat_curve_set back = must_read(text, CSV, NULL);
+    assert_int_equal(back.space->point_dim, 1);
+    free(text);
+    bat_curve_set_free(&back);
+    bat_curve_set_free(&set);
+}
+
 static void what_cannot_be_written_is_refused(void **state)
 {
     (void)state;
@@ -344,6 +358,7 @@ int main(void)
                                        cmocka_unit_test(bad_files_name_their_line),
                                        cmocka_unit_test(too_many_columns_are_refused),
                                        cmocka_unit_test(guessed_coordinates_keep_their_space),
+                                       cmocka_unit_test(one_named_column_stays_named),
                                        cmocka_unit_test(what_cannot_be_written_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -128,7 +128,8 @@ static bool is_implied(const csv_columns *columns, const char *space, size_t coo
     bool same = choice.count == coordinates && choice.degrees == columns->degrees && choice.radians == columns->radians;
     for (size_t i = 0; same && i < coordinates; i++)
         same = columns->places[choice.columns[i]] == i;
-    return same && !(choice.by_place && is_open(columns));
+    bool refused = csv_is_guess(columns, columns->count, &choice, false) && (space == NULL || choice.count < 2);
+    return same && !refused && !(choice.by_place && is_open(columns));
 }
 
 /// Write the numbers of the columns of coordinates, from 1.
