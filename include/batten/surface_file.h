@@ -59,8 +59,8 @@ extern BAT_API const bat_options_table bat_surface_write_fields;
 /// @param surface of dimension 3 (XML and JSON: any)
 /// @param options null for the defaults
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with a control point or data point that is not finite;
-///         BAT_UNSUPPORTED for a dimension that the format does not have; BAT_TOO_LARGE beyond 2^32 - 1 samples or entities;
-///         BAT_FILE_ACCESS; BAT_NO_MEMORY
+///         BAT_UNSUPPORTED for a dimension that the format does not have, or triangles of which trimming leaves none;
+///         BAT_TOO_LARGE beyond 2^32 - 1 samples or entities; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
                                      const bat_surface_write_options *options, bat_error *error);
 /// Write a shell: as STEP, whose closed parts are solids, or as a mesh in a format of batten/mesh_file.h that has polygons.

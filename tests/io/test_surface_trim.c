@@ -427,6 +427,23 @@ static void loops_without_curves_or_area_are_refused(void **state)
     }
 }
 
+static void a_region_without_triangles_is_refused(void **state)
+{
+    (void)state;
+    static const char TEXT[] = "{\"format\": \"batten surface\", \"version\": 1, \"degree\": [1, 1], \"spans\": [1, 1],"
+                               "\"truncated\": true, \"admissible\": 0, \"dimension\": 3, \"boxes\": [], \"trim\": ["
+                               "[{\"degree\": 1, \"knots\": [0, 0, 1, 2, 3, 3],"
+                               "  \"control\": [[0.5, 0.4], [0.9, 0.4], [0.9, 0.400001], [0.5, 0.4]]}]],"
+                               "\"control\": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 1]]}";
+    bat_spline_surface surface = {0};
+    bat_error error = {0};
+    put("thin.json", TEXT);
+    check_status(bat_surface_read("thin.json", &surface, NULL), BAT_OK);
+    check_status(bat_surface_write("thin.obj", &surface, NULL, &error), BAT_UNSUPPORTED);
+    assert_non_null(strstr(error.text, "leave no triangle"));
+    bat_spline_surface_free(&surface);
+}
+
 /// Records of 80 columns, sections in order, and the counts of the last record.
 static void iges_has_its_form(void **state)
 {
@@ -557,6 +574,7 @@ int main(void)
         cmocka_unit_test(curves_go_through_json),
         cmocka_unit_test(sides_of_extreme_lengths_take_few_points),
         cmocka_unit_test(loops_without_curves_or_area_are_refused),
+        cmocka_unit_test(a_region_without_triangles_is_refused),
         cmocka_unit_test(iges_has_its_form),
         cmocka_unit_test(units_stand_in_step),
         cmocka_unit_test(what_cannot_be_trimmed_is_refused),

@@ -573,6 +573,8 @@ static bat_status tessellation_cut(const bat_spline_surface *surface, size_t sam
         status = gather_places(made, &region, &cut, places, &count, error);
     if (status == BAT_OK)
         status = store(surface, &region, &cut, (const double(*)[2])places, count, made, error);
+    if (status == BAT_OK && made->triangle_count == 0)
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the trimming curves leave no triangle of the surface");
     cut_free(&cut);
     trim_region_free(&region);
     return status;
