@@ -88,8 +88,8 @@ typedef struct csv_choice
 /// @param motion a single column beside that of the times is a coordinate
 void csv_columns_choose(const csv_columns *columns, const char *space, bool motion, csv_choice *choice);
 /// Whether coordinates were chosen by their places beside `count` columns of which some hold other than numbers, or `others`
-/// say so; a reader refuses that without a space.
-bool csv_is_guess(const csv_columns *columns, size_t count, const csv_choice *choice, bool others);
+/// say so: a reader refuses that, but for two or more in a space that is named.
+bool csv_is_guess(const csv_columns *columns, size_t count, const csv_choice *choice, bool others, bool named_space);
 
 /// Set the place of each column: `chosen` are the coordinates, other numbers are channels. False when out of memory.
 bool csv_columns_place(csv_columns *columns, const size_t *chosen, size_t count);

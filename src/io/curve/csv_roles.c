@@ -441,12 +441,12 @@ static bool keep_choice(csv_reader *reader)
     return columns->chosen != NULL;
 }
 
-bool csv_is_guess(const csv_columns *columns, size_t count, const csv_choice *choice, bool others)
+bool csv_is_guess(const csv_columns *columns, size_t count, const csv_choice *choice, bool others, bool named_space)
 {
     static const int MAX_GUESSED = 3;
     for (size_t i = 0; i < count && columns->kinds != NULL; i++)
         others = others || (columns->kinds[i] != CSV_NUMBER && columns->kinds[i] != CSV_EMPTY);
-    return choice->by_place && others && (choice->count < 2 || choice->count > MAX_GUESSED);
+    return choice->by_place && others && (choice->count < 2 || (choice->count > MAX_GUESSED && !named_space));
 }
 
 /// Refuse to guess coordinates by their places where that would be a game of chance.
@@ -454,7 +454,7 @@ static bat_status check_guess(const csv_reader *reader, const text_line *line, b
 {
     const csv_choice *choice = &reader->choice;
     bool others = choice->times != BAT_NO_INDEX && !reader->options->motion;
-    if (!csv_is_guess(reader->attributes->csv, reader->column_count, choice, others) || (named_space && choice->count >= 2))
+    if (!csv_is_guess(reader->attributes->csv, reader->column_count, choice, others, named_space))
         return BAT_OK;
     (void)ERROR_FILE(error, reader->header_line > 0 ? reader->header_line : line->number,
                      "cannot tell which of %zu columns hold the coordinates", reader->column_count);

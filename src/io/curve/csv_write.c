@@ -128,7 +128,7 @@ static bool is_implied(const csv_columns *columns, const char *space, size_t coo
     bool same = choice.count == coordinates && choice.degrees == columns->degrees && choice.radians == columns->radians;
     for (size_t i = 0; same && i < coordinates; i++)
         same = columns->places[choice.columns[i]] == i;
-    bool refused = csv_is_guess(columns, columns->count, &choice, false) && (space == NULL || choice.count < 2);
+    bool refused = csv_is_guess(columns, columns->count, &choice, false, space != NULL);
     return same && !refused && !(choice.by_place && is_open(columns));
 }
 
@@ -163,7 +163,7 @@ static const char *implied_space(const csv_layout *layout)
     if (point_form_incomplete(NULL, &names, fault, sizeof fault))
         return ""; // they are refused without the space
     csv_columns_choose(layout->columns, NULL, false, &choice);
-    bool refused = csv_is_guess(layout->columns, layout->columns->count, &choice, false);
+    bool refused = csv_is_guess(layout->columns, layout->columns->count, &choice, false, false);
     return refused ? "" : choice.space;
 }
 
