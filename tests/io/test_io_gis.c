@@ -645,7 +645,10 @@ static void a_drawing_that_is_not_text_is_refused(void **state)
     assert_non_null(file);
     assert_int_equal(fwrite(DRAWING, 1, sizeof DRAWING, file), sizeof DRAWING);
     assert_int_equal(fclose(file), 0);
+    bat_curve_read_options any = bat_curve_read_defaults();
+    any.format = BAT_CURVE_FORMAT_GDAL;
     refuse("a.dxf", NULL, BAT_BAD_FILE, "save it again as DXF in ASCII");
+    refuse("a.dxf", &any, BAT_BAD_FILE, "save it again as DXF in ASCII");
 }
 
 static void options_of_other_formats_are_refused(void **state)

@@ -22,7 +22,7 @@
     X(CPLPushErrorHandlerEx) X(CPLRecode) X(CPLSetThreadLocalConfigOption) X(CSLDestroy) X(CSLSetNameValue) X(CSLTokenizeString2) X(GDALAllRegister) \
     X(GDALClose) X(GDALCreate) X(GDALDatasetCreateLayer) X(GDALDatasetGetLayer) X(GDALDatasetGetLayerByName) \
     X(GDALDatasetGetLayerCount) X(GDALGetDatasetDriver) X(GDALGetDriver) X(GDALGetDriverByName) X(GDALGetDriverCount) \
-    X(GDALGetDriverShortName) X(GDALGetMetadataItem) X(GDALOpenEx) X(OCTDestroyCoordinateTransformation) \
+    X(GDALGetDriverShortName) X(GDALGetMetadataItem) X(GDALIdentifyDriverEx) X(GDALOpenEx) X(OCTDestroyCoordinateTransformation) \
     X(OCTNewCoordinateTransformation) X(OCTTransformEx) X(OGR_FD_GetFieldCount) X(OGR_FD_GetFieldDefn) \
     X(OGR_FD_Reference) X(OGR_FD_Release) X(OGR_F_Create) X(OGR_F_Destroy) X(OGR_F_GetFID) X(OGR_F_GetFieldAsBinary) \
     X(OGR_F_GetFieldAsDateTimeEx) X(OGR_F_GetFieldAsDouble) X(OGR_F_GetFieldAsDoubleList) X(OGR_F_GetFieldAsInteger64) \

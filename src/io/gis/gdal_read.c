@@ -574,9 +574,12 @@ static bat_status check_path(const char *path, bool folders, const bat_limits *l
     return file_text_bytes(limits, *bytes, error);
 }
 
-/// GDAL looks for ever for the end of a line of a drawing that has a zero byte.
+/// GDAL looks for ever for the end of a line of a drawing that has a zero byte. Other files are not looked at.
 static bat_status check_drawing(const char *spelled, bat_error *error)
 {
+    static const char *const DRAWINGS[] = {"DXF", NULL};
+    if (gdal.GDALIdentifyDriverEx(spelled, GDAL_OF_VECTOR, DRAWINGS, NULL) == NULL)
+        return BAT_OK;
     char piece[1 << 12];
     size_t got = 0;
     bool zeros = false;
@@ -606,7 +609,7 @@ bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_
         bytes = SIZE_MAX / 2;
     if (spelled == NULL)
         status = error_memory(error, strlen(path));
-    else if (drivers != NULL && strcmp(drivers, "DXF") == 0)
+    else if (drivers == NULL || strcmp(drivers, "DXF") == 0)
         status = check_drawing(spelled, error);
     char **allowed = drivers != NULL ? gdal.CSLTokenizeString2(drivers, ",", 0) : NULL;
     GDALDatasetH dataset = NULL;
