@@ -436,8 +436,8 @@ static void weigh(spline_system *system)
         for (int side = -1; side <= 1 && gap; side += 2)
             recorded = add_pace(system, i, side, pace) && recorded;
         if (pace[0] > 0)
-            system->calm[i] = 1 - (recorded ? TOLD_BY_RECORDING : TOLD) * sqrt(pace[0] / pace[1]) / h[i];
-        system->calm[i] = recorded ? system->calm[i] : fmax(system->calm[i], 0);
+            system->calm[i] = recorded ? 1 - TOLD_BY_RECORDING * sqrt(pace[0] / pace[1]) / h[i]
+                                       : fmax(1 - TOLD * sqrt(pace[0] / pace[1]) / h[i], 0);
     }
 }
 
