@@ -359,11 +359,11 @@ static void choose_name(const layer_writer *writer, const char *path, char *name
 }
 
 /// Remove a folder that a driver made in place of the file with a hidden name, or beside it, and refuse that.
-static bat_status refuse_folder(const char *path, bat_error *error)
+static bat_status refuse_folder(const char *path, bat_status status, bat_error *error)
 {
     char *name = strdup(path);
     if (name == NULL)
-        return error_memory(error, strlen(path));
+        return status == BAT_OK ? error_memory(error, strlen(path)) : status;
     bool found = false;
     for (int pass = 0; pass < 2 && !found; pass++)
     {
@@ -376,8 +376,9 @@ static bat_status refuse_folder(const char *path, bat_error *error)
     if (found)
         (void)gdal.VSIRmdirRecursive(name);
     free(name);
-    return found ? ERROR_UNSUPPORTED(error, 0, "GDAL makes a folder here, not a file: take the format's own ending")
-                 : BAT_OK;
+    if (found && status == BAT_OK)
+        return ERROR_UNSUPPORTED(error, 0, "GDAL makes a folder here, not a file: take the format's own ending");
+    return status;
 }
 
 static bat_status create_layer(void *context, const char *path, bat_error *error)
@@ -410,9 +411,7 @@ static bat_status create_layer(void *context, const char *path, bat_error *error
         gdal.OSRDestroySpatialReference(system);
     if (status == BAT_OK && writer->messages.failures > 0)
         status = gdal_fault(&writer->messages, BAT_FILE_ACCESS, error, "GDAL cannot write the file");
-    bat_error refusal;
-    bat_status whole = refuse_folder(path, &refusal);
-    return status == BAT_OK && whole != BAT_OK ? error_copy(error, &refusal) : status;
+    return refuse_folder(path, status, error);
 }
 
 /// Find the system of the set and, where the format needs it, the transformation to WGS 84.
