@@ -379,21 +379,30 @@ static void curves_go_through_json(void **state)
 
 /// Found by fuzzing: where one side is longer than the other beyond all measure, a loop of edges on top of each other was
 /// divided into 13,000 points, for which Qhull takes seconds.
+/// Write a bilinear surface with trimming loops.
+static void put_trimmed(const char *path, const char *loops, const char *control)
+{
+    char text[1000];
+    int length = snprintf(text, sizeof text,
+                          "{\"format\": \"batten surface\", \"version\": 1, \"degree\": [1, 1], \"spans\": [1, 1],"
+                          "\"truncated\": true, \"admissible\": 0, \"dimension\": 3, \"boxes\": [], \"trim\": [%s],"
+                          "\"control\": [%s]}",
+                          loops, control);
+    assert_in_range(length, 1, sizeof text - 1);
+    put(path, text);
+}
+
 static void sides_of_extreme_lengths_take_few_points(void **state)
 {
     (void)state;
-    static const char TEXT[] = "{\"format\": \"batten surface\", \"version\": 1, \"degree\": [1, 1], \"spans\": [1, 1],"
-                               "\"truncated\": true, \"admissible\": 0, \"dimension\": 3, \"boxes\": [], \"trim\": ["
-                               "[{\"degree\": 1, \"knots\": [0, 0, 0.5, 1, 1],"
-                               "  \"control\": [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]]},"
-                               " {\"degree\": 2, \"knots\": [0, 0, 0, 1, 1, 1],"
-                               "  \"control\": [[0.9, 0.9], [0.1, 0.1], [0.1, 0.1]]}],"
-                               "[{\"degree\": 1, \"knots\": [0, 0, 1, 2, 3, 3],"
-                               "  \"control\": [[0.6, 0.4], [0.5, 0.4], [0.6, 0.5], [0.6, 0.4]]}]],"
-                               "\"control\": [[0, 0, 0], [1, 0, 0], [0, 1, 21e300], [1, 1, 1]]}";
     bat_spline_surface surface = {0};
     surface_tessellation made;
-    put("long.json", TEXT);
+    put_trimmed("long.json",
+                "[{\"degree\": 1, \"knots\": [0, 0, 0.5, 1, 1], \"control\": [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]]},"
+                " {\"degree\": 2, \"knots\": [0, 0, 0, 1, 1, 1], \"control\": [[0.9, 0.9], [0.1, 0.1], [0.1, 0.1]]}],"
+                "[{\"degree\": 1, \"knots\": [0, 0, 1, 2, 3, 3],"
+                "  \"control\": [[0.6, 0.4], [0.5, 0.4], [0.6, 0.5], [0.6, 0.4]]}]",
+                "[0, 0, 0], [1, 0, 0], [0, 1, 21e300], [1, 1, 1]");
     check_status(bat_surface_read("long.json", &surface, NULL), BAT_OK);
     check_status(surface_tessellate(&surface, 1, &made, NULL), BAT_OK);
     assert_in_range(made.vertex_count, 3, 2000);
@@ -413,15 +422,9 @@ static void loops_without_curves_or_area_are_refused(void **state)
     static const char *const FAULTS[] = {"trim", "has no area"};
     for (size_t i = 0; i < 2; i++)
     {
-        char text[1000];
         bat_spline_surface surface = {0};
         bat_error error = {0};
-        (void)snprintf(text, sizeof text,
-                       "{\"format\": \"batten surface\", \"version\": 1, \"degree\": [1, 1], \"spans\": [1, 1],"
-                       "\"truncated\": true, \"admissible\": 0, \"dimension\": 3, \"boxes\": [], \"trim\": [%s],"
-                       "\"control\": [[5, 0, 0], [5, 0, 0], [1, 113, 2], [1, 0, 1]]}",
-                       LOOPS[i]);
-        put("loops.json", text);
+        put_trimmed("loops.json", LOOPS[i], "[5, 0, 0], [5, 0, 0], [1, 113, 2], [1, 0, 1]");
         check_status(bat_surface_read("loops.json", &surface, &error), BAT_BAD_FILE);
         assert_non_null(strstr(error.text, FAULTS[i]));
     }
@@ -430,14 +433,12 @@ static void loops_without_curves_or_area_are_refused(void **state)
 static void a_region_without_triangles_is_refused(void **state)
 {
     (void)state;
-    static const char TEXT[] = "{\"format\": \"batten surface\", \"version\": 1, \"degree\": [1, 1], \"spans\": [1, 1],"
-                               "\"truncated\": true, \"admissible\": 0, \"dimension\": 3, \"boxes\": [], \"trim\": ["
-                               "[{\"degree\": 1, \"knots\": [0, 0, 1, 2, 3, 3],"
-                               "  \"control\": [[0.5, 0.4], [0.9, 0.4], [0.9, 0.400001], [0.5, 0.4]]}]],"
-                               "\"control\": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 1]]}";
     bat_spline_surface surface = {0};
     bat_error error = {0};
-    put("thin.json", TEXT);
+    put_trimmed("thin.json",
+                "[{\"degree\": 1, \"knots\": [0, 0, 1, 2, 3, 3],"
+                "  \"control\": [[0.5, 0.4], [0.9, 0.4], [0.9, 0.400001], [0.5, 0.4]]}]",
+                "[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 1]");
     check_status(bat_surface_read("thin.json", &surface, NULL), BAT_OK);
     check_status(bat_surface_write("thin.obj", &surface, NULL, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "leave no triangle"));
