@@ -38,7 +38,7 @@ static const double FAST = 0.85;
 
 /// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
 /// this many radians, at their rate of change beside it over this share of its time: for more where keys on both sides last
-/// so long, as in a recording with a hole.
+/// so long, as in a recording with a hole. At an open end one side alone tells, and the share told counts by its cube.
 static const double LONGER = 2.5, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
@@ -432,12 +432,15 @@ static void weigh(spline_system *system)
         weight = weight < HELD ? 0 : weight;
         system->weights[i] = fmax(weight * pow(fmin(h[i] / beside, 1), 1 - weight), MIN_WEIGHT);
         double pace[2] = {0};
-        bool gap = gap_of(system, i) > LONGER, recorded = gap;
+        bool gap = gap_of(system, i) > LONGER, recorded = gap, open = false;
         for (int side = -1; side <= 1 && gap; side += 2)
+        {
             recorded = add_pace(system, i, side, pace) && recorded;
+            open = open || !place_at(system, i, side, system->intervals, &j);
+        }
+        double told = (recorded ? TOLD_BY_RECORDING : TOLD) * sqrt(pace[0] / pace[1]) / h[i];
         if (pace[0] > 0)
-            system->calm[i] = recorded ? 1 - TOLD_BY_RECORDING * sqrt(pace[0] / pace[1]) / h[i]
-                                       : fmax(1 - TOLD * sqrt(pace[0] / pace[1]) / h[i], 0);
+            system->calm[i] = recorded ? 1 - told : fmax(1 - (open ? pow(told, 3) : told), 0);
     }
 }
 

@@ -633,6 +633,33 @@ static void gaps_are_crossed_gently(void **state)
     bat_motion_spline_free(spline);
 }
 
+/// Keys on one side tell the motion in a last gap for a short time, and hardly anything of a long one.
+static void last_gaps_are_nearly_straight(void **state)
+{
+    (void)state;
+    static const double ends[] = {1.9, 3.4};
+    bat_space line = bat_euclidean(1);
+    for (size_t end = 0; end < 2; end++)
+    {
+        double times[11], points[11], p, far = 0;
+        for (int i = 0; i <= 10; i++)
+        {
+            times[i] = i < 10 ? i / 10.0 : ends[end];
+            points[i] = cos(2 * times[i]);
+        }
+        bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 11};
+        bat_motion_spline *spline = must_make(&curve, NULL);
+        for (int i = 0; i <= 100; i++)
+        {
+            double share = i / 100.0;
+            must_give(spline, times[9] + share * (times[10] - times[9]), &p, NULL, NULL);
+            far = fmax(far, fabs(p - (1 - share) * points[9] - share * points[10]));
+        }
+        assert_true(end == 0 ? far > 0.2 : far < 0.1);
+        bat_motion_spline_free(spline);
+    }
+}
+
 /// A recording tells the motion in a hole that is no longer than itself, even where that turns back: nothing is limited.
 static void holes_of_recordings_turn_back(void **state)
 {
@@ -1102,6 +1129,7 @@ int main(void)
         cmocka_unit_test(what_rests_stays_at_rest),
         cmocka_unit_test(motions_do_not_leave_their_keys),
         cmocka_unit_test(gaps_are_crossed_gently),
+        cmocka_unit_test(last_gaps_are_nearly_straight),
         cmocka_unit_test(holes_of_recordings_turn_back),
         cmocka_unit_test(jumps_tell_no_velocity),
         cmocka_unit_test(limited_motions_are_monotone),
