@@ -39,7 +39,7 @@ static const double FAST = 0.85;
 /// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
 /// this many radians, at their rate of change beside it over this share of its time: for more where keys on both sides last
 /// so long, as in a recording with a hole. At an open end one side alone tells, and the share told counts by its cube.
-static const double LONGER = 2.5, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
+static const double LONGER = 2.5, LONGER_AT_END = 2, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
 /// which its weight falls; and the weight below which it counts as held, and is not used.
@@ -350,14 +350,13 @@ static bat_status measure_roughness(spline_system *system, size_t *failed)
     return BAT_OK;
 }
 
-/// How many times longer an interval is than those beside it.
-static double gap_of(const spline_system *system, size_t i)
+/// Whether an interval is far longer than those beside it.
+static bool is_gap(const spline_system *system, size_t i)
 {
-    bool closed = is_closed(system);
-    size_t n = system->intervals, before = spline_interval_beside(system, i, -1),
-           after = spline_interval_beside(system, i, 1);
-    double beside = fmax(i > 0 || closed ? system->lengths[before] : 0, i + 1 < n || closed ? system->lengths[after] : 0);
-    return n > 2 ? system->lengths[i] / beside : 1;
+    bool closed = is_closed(system), left = i > 0 || closed, right = i + 1 < system->intervals || closed;
+    double before = left ? system->lengths[spline_interval_beside(system, i, -1)] : 0;
+    double after = right ? system->lengths[spline_interval_beside(system, i, 1)] : 0;
+    return system->intervals > 2 && system->lengths[i] > (left && right ? LONGER : LONGER_AT_END) * fmax(before, after);
 }
 
 /// The key or interval that is `steps` after another one, of `count`. False beyond an open end.
@@ -432,7 +431,7 @@ static void weigh(spline_system *system)
         weight = weight < HELD ? 0 : weight;
         system->weights[i] = fmax(weight * pow(fmin(h[i] / beside, 1), 1 - weight), MIN_WEIGHT);
         double pace[2] = {0};
-        bool gap = gap_of(system, i) > LONGER, recorded = gap, open = false;
+        bool gap = is_gap(system, i), recorded = gap, open = false;
         for (int side = -1; side <= 1 && gap; side += 2)
         {
             recorded = add_pace(system, i, side, pace) && recorded;
@@ -753,7 +752,7 @@ static bat_status estimate(spline_system *system, bat_error *error)
 static bool meets_rest(const spline_system *system, size_t i)
 {
     bool rests = system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
-    return system->weights[i] >= HELD && (rests || (gap_of(system, i) > LONGER && system->calm[i] >= 0));
+    return system->weights[i] >= HELD && (rests || (is_gap(system, i) && system->calm[i] >= 0));
 }
 
 /// Let the velocities at both ends of a gap go over to its mean velocity, the more the less they tell of the motion in it.
