@@ -27,8 +27,9 @@ enum
     BLOCK = 16384,
     /// Buckets of an interval.
     PARTS = 4,
-    /// Coordinates of points that are put in order first.
-    WIDE = 16,
+    /// Times of an interval that follow each other, on average, from which on they go together.
+    MIN_RUN = 8,
+    CACHE_LINE = 8, ///< numbers
     /// Arithmetic operations of a point, roughly.
     OPERATIONS = 300
 };
@@ -633,57 +634,52 @@ static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval,
     return check_finite(points, count * dim);
 }
 
-/// The places of times of a block, and their order by intervals.
-typedef struct place_list
+/// Points of several intervals, up to SPLINE_RUN.
+static bat_status evaluate_mixed(const bat_motion_spline *spline, const uint32_t *intervals, const double *shares,
+                                 size_t count, double *points)
 {
-    double shares[BLOCK];
-    uint32_t intervals[BLOCK], order[BLOCK], counts[BLOCK + 1];
-} place_list;
-
-/// Order the places by counting.
-static void order_places(place_list *list, size_t count)
-{
-    memset(list->counts, 0, sizeof list->counts);
-    for (size_t i = 0; i < count; i++)
-        list->counts[list->intervals[i] + 1]++;
-    for (size_t i = 1; i <= BLOCK; i++)
-        list->counts[i] += list->counts[i - 1];
-    for (size_t i = 0; i < count; i++)
-        list->order[list->counts[list->intervals[i]]++] = (uint32_t)i;
+    size_t dim = spline->space.point_dim;
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < spline->factor_count && status == BAT_OK; i++)
+    {
+        const spline_factor *f = &spline->factors[i];
+        status = spline_factor_mixed(f, spline->records + f->record_at, spline->record_size, intervals, shares, count,
+                                     points + f->point_at, dim);
+    }
+    for (size_t j = 0; j < count; j++)
+        copy_key(spline, &(place){.interval = intervals[j], .share = shares[j]}, points + j * dim, NULL);
+    return status == BAT_OK ? check_finite(points, count * dim) : status;
 }
 
-/// Points alone of up to BLOCK times, those of an interval together. False where they must be found one by one.
-static bool sample_together(const bat_motion_spline *spline, const double *times, size_t count, place_list *list,
-                            double *points)
+/// Points alone of up to SPLINE_RUN times, those of an interval together where they follow each other. False where they must
+/// be found one by one.
+static bool sample_run(const bat_motion_spline *spline, const double *times, size_t count, place *at, double *points)
 {
-    double run[SPLINE_RUN], made[SPLINE_RUN * WIDE];
-    size_t dim = spline->space.point_dim;
-    place at = {0};
-    bool sorted = true;
+    uint32_t intervals[SPLINE_RUN];
+    double shares[SPLINE_RUN];
+    size_t dim = spline->space.point_dim, runs = 1;
     for (size_t i = 0; i < count; i++)
     {
-        if (times[i] >= spline->times[at.interval] && times[i] < spline->times[at.interval + 1])
-            find_share(spline, times[i], &at);
-        else if (!find_place(spline, times[i], at.interval, &at) || at.beyond != 0 || at.interval > UINT32_MAX)
+        if (times[i] >= spline->times[at->interval] && times[i] < spline->times[at->interval + 1])
+            find_share(spline, times[i], at);
+        else if (!find_place(spline, times[i], at->interval, at) || at->beyond != 0 || at->interval > UINT32_MAX)
             return false;
-        list->intervals[i] = (uint32_t)at.interval;
-        list->shares[i] = at.share;
-        list->order[i] = (uint32_t)i;
-        sorted = sorted && (i == 0 || list->intervals[i] >= list->intervals[i - 1]);
+        intervals[i] = (uint32_t)at->interval;
+        shares[i] = at->share;
+        if (i > 0 && intervals[i] == intervals[i - 1])
+            continue;
+        runs += i > 0;
+        for (size_t k = 0; k < spline->record_size; k += CACHE_LINE)
+            __builtin_prefetch(spline->records + at->interval * spline->record_size + k);
     }
-    if (!sorted && (dim > WIDE || spline->intervals > BLOCK))
-        return false;
-    if (!sorted)
-        order_places(list, count);
-    for (size_t i = 0, next; i < count; i = next)
+    if (MIN_RUN * runs > count)
+        return evaluate_mixed(spline, intervals, shares, count, points) == BAT_OK;
+    for (size_t i = 0, next = 0; i < count; i = next)
     {
-        uint32_t interval = list->intervals[list->order[i]];
-        for (next = i; next < count && next - i < SPLINE_RUN && list->intervals[list->order[next]] == interval; next++)
-            run[next - i] = list->shares[list->order[next]];
-        if (evaluate_run(spline, interval, run, next - i, sorted ? points + i * dim : made) != BAT_OK)
+        while (next < count && intervals[next] == intervals[i])
+            next++;
+        if (evaluate_run(spline, intervals[i], shares + i, next - i, points + i * dim) != BAT_OK)
             return false;
-        for (size_t j = i; j < next && !sorted; j++)
-            memcpy(points + list->order[j] * dim, made + (j - i) * dim, dim * sizeof *points);
     }
     return true;
 }
@@ -694,10 +690,14 @@ static bat_status sample_block(const bat_motion_spline *spline, const double *ti
 {
     size_t dim = spline->space.point_dim, n = spline->space.tangent_dim;
     place at = {0};
-    place_list *list = velocities == NULL && accelerations == NULL ? malloc(sizeof *list) : NULL;
-    bool done = list != NULL && sample_together(spline, times + begin, end - begin, list, points + begin * dim);
-    free(list);
-    for (size_t i = begin; i < end && !done; i++)
+    size_t done = begin;
+    for (size_t run = SPLINE_RUN; velocities == NULL && accelerations == NULL && done < end; done += run)
+    {
+        run = end - done < run ? end - done : run;
+        if (!sample_run(spline, times + done, run, &at, points + done * dim))
+            break;
+    }
+    for (size_t i = done; i < end; i++)
     {
         if (!find_place(spline, times[i], at.interval, &at))
             return no_place(spline, times[i], i, error);

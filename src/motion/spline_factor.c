@@ -13,8 +13,6 @@ enum
     DIM = BAT_SPACE_MAX_DIM,
     /// Terms of the series for arguments up to 1.
     TERMS = 9,
-    /// Vector code pays from this number of points on.
-    MIN_LANES = 4,
     /// Steps of the inverse of a differential by differences in one call.
     PULL_STEPS = 2
 };
@@ -553,7 +551,21 @@ static bool is_short(const double *c)
     return bound < FULL_TURN;
 }
 
-/// Coordinates of quaternions, one array each, so that no store is scattered. Right for rotation vectors up to 2 pi.
+/// Coordinates of quaternion i, one array each, so that no store is scattered: m times that of a turn by twice (x, y, z),
+/// which is no longer than pi.
+static inline void turn_lane(double m0, double m1, double m2, double m3, double x, double y, double z, size_t i,
+                             double *restrict made)
+{
+    double squared = x * x + y * y + z * z, cosine = lane_cos_root(squared), ratio = lane_sinc_root(squared);
+    x *= ratio;
+    y *= ratio;
+    z *= ratio;
+    made[i] = m0 * cosine - m1 * x - m2 * y - m3 * z;
+    made[SPLINE_RUN + i] = m0 * x + m1 * cosine + m2 * z - m3 * y;
+    made[2 * SPLINE_RUN + i] = m0 * y + m2 * cosine + m3 * x - m1 * z;
+    made[3 * SPLINE_RUN + i] = m0 * z + m3 * cosine + m1 * y - m2 * x;
+}
+
 LANES_CLONES
 static void turn_by_lanes(const double *record, const double *restrict shares, size_t count, double *restrict made)
 {
@@ -564,33 +576,77 @@ static void turn_by_lanes(const double *record, const double *restrict shares, s
     for (size_t i = 0; i < count; i++)
     {
         double s = shares[i];
-        double x = x0 + s * (x1 + s * (x2 + s * x3));
-        double y = y0 + s * (y1 + s * (y2 + s * y3));
-        double z = z0 + s * (z1 + s * (z2 + s * z3));
-        double squared = x * x + y * y + z * z, cosine = lane_cos_root(squared), ratio = lane_sinc_root(squared);
-        x *= ratio;
-        y *= ratio;
-        z *= ratio;
-        made[i] = m0 * cosine - m1 * x - m2 * y - m3 * z;
-        made[SPLINE_RUN + i] = m0 * x + m1 * cosine + m2 * z - m3 * y;
-        made[2 * SPLINE_RUN + i] = m0 * y + m2 * cosine + m3 * x - m1 * z;
-        made[3 * SPLINE_RUN + i] = m0 * z + m3 * cosine + m1 * y - m2 * x;
+        turn_lane(m0, m1, m2, m3, x0 + s * (x1 + s * (x2 + s * x3)), y0 + s * (y1 + s * (y2 + s * y3)),
+                  z0 + s * (z1 + s * (z2 + s * z3)), i, made);
     }
+}
+
+/// The same of the middles and half turns in `rows`, seven arrays.
+LANES_CLONES
+static void turn_rows(const double *restrict rows, size_t count, double *restrict made)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *row = rows + i;
+        turn_lane(row[0], row[SPLINE_RUN], row[2 * SPLINE_RUN], row[3 * SPLINE_RUN], row[4 * SPLINE_RUN],
+                  row[5 * SPLINE_RUN], row[6 * SPLINE_RUN], i, made);
+    }
+}
+
+static void store_quaternions(const double *made, size_t count, double *quaternions, size_t stride)
+{
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 4; c++)
+            quaternions[i * stride + c] = made[c * SPLINE_RUN + i];
 }
 
 static void rotation_run(const double *record, const double *shares, size_t count, double *quaternions, size_t stride)
 {
     double made[4 * SPLINE_RUN];
-    if (count >= MIN_LANES && is_short(record + 4))
+    if (is_short(record + 4))
     {
         turn_by_lanes(record, shares, count, made);
-        for (size_t i = 0; i < count; i++)
-            for (size_t c = 0; c < 4; c++)
-                quaternions[i * stride + c] = made[c * SPLINE_RUN + i];
+        store_quaternions(made, count, quaternions, stride);
         return;
     }
     for (size_t i = 0; i < count; i++)
         rotation_at(record, shares[i], quaternions + i * stride, NULL, NULL);
+}
+
+static void rotation_mixed(const double *records, size_t size, const uint32_t *intervals, const double *shares, size_t count,
+                           double *quaternions, size_t stride)
+{
+    double rows[7 * SPLINE_RUN], made[4 * SPLINE_RUN], squares[SPLINE_RUN];
+    rows[0] = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *record = records + intervals[i] * size, *c = record + 4, s = shares[i];
+        for (size_t k = 0; k < 4; k++)
+            rows[k * SPLINE_RUN + i] = record[k];
+        squares[i] = 0;
+        for (size_t k = 0; k < 3; k++)
+        {
+            double half = 0.5 * (c[k] + s * (c[3 + k] + s * (c[6 + k] + s * c[9 + k])));
+            rows[(4 + k) * SPLINE_RUN + i] = half;
+            squares[i] += half * half;
+        }
+    }
+    turn_rows(rows, count, made);
+    store_quaternions(made, count, quaternions, stride);
+    for (size_t i = 0; i < count; i++)
+        if (!(4 * squares[i] < FULL_TURN * FULL_TURN))
+            rotation_at(records + intervals[i] * size, shares[i], quaternions + i * stride, NULL, NULL);
+}
+
+bat_status spline_factor_mixed(const spline_factor *f, const double *records, size_t size, const uint32_t *intervals,
+                               const double *shares, size_t count, double *points, size_t stride)
+{
+    bat_status status = BAT_OK;
+    if (f->kind == FACTOR_ROTATION)
+        rotation_mixed(records, size, intervals, shares, count, points, stride);
+    for (size_t i = 0; i < count && f->kind != FACTOR_ROTATION && status == BAT_OK; i++)
+        status = spline_factor_run(f, records + intervals[i] * size, shares + i, 1, points + i * stride, stride);
+    return status;
 }
 
 bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,

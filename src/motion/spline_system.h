@@ -81,6 +81,9 @@ bat_status spline_factor_at(const spline_factor *f, const double *record, double
 /// Points of one interval at `count` shares, `stride` numbers apart.
 bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,
                              double *points, size_t stride);
+/// The same for places in several intervals, whose records are `size` numbers each.
+bat_status spline_factor_mixed(const spline_factor *f, const double *records, size_t size, const uint32_t *intervals,
+                               const double *shares, size_t count, double *points, size_t stride);
 
 /// Differences: the places on a line, in units of its parameter, and the derivatives of a function that is 0 at 0.
 #define SPLINE_PLACES 6

@@ -994,9 +994,12 @@ static void long_turns_go_as_told(void **state)
             options.turns = how == 0 ? NULL : turns;
             bat_motion_spline *spline = must_make(&given, &options);
             assert_int_equal(bat_motion_spline_keys(spline).turned, 3);
-            for (double time = 0; time < 3; time += 0.09)
+            for (int step = 0; step < 34; step++)
             {
+                double time = 0.09 * step, apart[] = {time, fmod(time + 1.3, 3)}, both[2 * 7]; // in two intervals
                 check_status(bat_motion_spline_at(spline, time, point, v, a, NULL), BAT_OK);
+                check_status(bat_motion_spline_sample(spline, apart, 2, both, NULL, NULL, NULL), BAT_OK);
+                check_near(given.space->distance(given.space, point, both), 0, 1e-13);
                 check_near(fabs(point[at]), fabs(cos(rate * time / 2)), 1e-11);
                 check_near(v[at], 0.6 * rate, 1e-9);
                 check_near(v[at + 2], 0.8 * rate, 1e-9);
