@@ -1,11 +1,11 @@
 #include "io/gis/gdal.h"
 
 #include "base/file_bytes.h"
+#include "base/load_functions.h"
 #include "curve/polygon.h"
 #include "io/gis/gis.h"
 #include "space/degrees.h"
 
-#include <dlfcn.h>
 #include <threads.h>
 
 /// @file
@@ -23,19 +23,9 @@ static void load(void)
         GDAL_FUNCTIONS(GDAL_NAME)
 #undef GDAL_NAME
     };
-    void *library = dlopen(BATTEN_GDAL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
-    if (library == NULL)
-        return;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-    {
-        void *function = dlsym(library, names[i]);
-        if (function == NULL)
-            return;
-        // All pointers to functions have one size in POSIX.
-        memcpy((char *)&gdal + i * sizeof function, &function, sizeof function);
-    }
-    gdal.GDALAllRegister();
-    loaded = true;
+    loaded = load_functions(BATTEN_GDAL_LIBRARY, names, sizeof names / sizeof *names, &gdal);
+    if (loaded)
+        gdal.GDALAllRegister();
 }
 
 static void collect(CPLErr kind, CPLErrorNum number BAT_UNUSED, const char *text)
