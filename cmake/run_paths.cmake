@@ -20,3 +20,8 @@ foreach(library ${CAIRO_LINK_LIBRARIES} ${EXPAT_LINK_LIBRARIES} ${JANSSON_LINK_L
   endif()
 endforeach()
 list(REMOVE_DUPLICATES CMAKE_INSTALL_RPATH)
+# What is loaded later is looked for in those folders too, but packaging tools drop folders that no linked library is in.
+get_filename_component(folder "${openblas_file}" DIRECTORY)
+if(BATTEN_BLAS_LIBRARY AND folder IN_LIST CMAKE_INSTALL_RPATH AND EXISTS ${folder}/${BATTEN_BLAS_LIBRARY})
+  set(BATTEN_BLAS_LIBRARY ${folder}/${BATTEN_BLAS_LIBRARY})
+endif()

@@ -1,6 +1,7 @@
 #include "research/analysis/joint_radius.h"
 
 #include "base/error.h"
+#include "linalg/blas.h"
 #include "research/analysis/eigen.h"
 
 #include <float.h>
@@ -27,7 +28,11 @@
 bat_status matrix_set_make(size_t dimension, size_t count, matrix_set *set, bat_error *error)
 {
     const size_t numbers = dimension * dimension * count;
-    *set = (matrix_set){.dimension = dimension, .count = count, .entries = memory_array(numbers, sizeof *set->entries)};
+    *set = (matrix_set){.dimension = dimension, .count = count};
+    const bat_status status = blas_load(error);
+    if (status != BAT_OK)
+        return status;
+    set->entries = memory_array(numbers, sizeof *set->entries);
     return set->entries != NULL ? BAT_OK : error_memory(error, numbers * sizeof *set->entries);
 }
 

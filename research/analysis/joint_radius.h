@@ -20,6 +20,8 @@ typedef struct matrix_set
     double *entries;
 } matrix_set;
 
+/// Make room for matrices, and load what multiplies them.
+/// @return BAT_OK, BAT_NO_MEMORY or the failure of blas_load()
 bat_status matrix_set_make(size_t dimension, size_t count, matrix_set *set, bat_error *error);
 void matrix_set_free(matrix_set *set);
 static inline double *matrix_set_at(const matrix_set *set, size_t index)

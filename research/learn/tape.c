@@ -1,6 +1,7 @@
 #include "research/learn/tape.h"
 
 #include "base/error.h"
+#include "linalg/blas.h"
 
 #include <assert.h>
 #include <limits.h>
@@ -95,7 +96,7 @@ void *learn_tape_memory(learn_tape *tape, size_t count, size_t size)
 void learn_tape_begin(learn_tape *tape, const learn_parameters *parameters, real *gradient)
 {
     join_blocks(tape);
-    *tape = (learn_tape){.block = tape->block};
+    *tape = (learn_tape){.block = tape->block, .status = blas_load(NULL)};
     if (parameters == NULL)
         return;
     tape->parameter_count = parameters->count;
@@ -123,6 +124,9 @@ void learn_tape_drop(learn_tape *tape, uint64_t key)
 
 bat_status learn_tape_status(const learn_tape *tape, bat_error *error)
 {
+    bat_status loaded = blas_load(error);
+    if (loaded != BAT_OK)
+        return loaded;
     if (tape->status == BAT_NO_MEMORY)
         return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory for the layers of a network");
     if (tape->status == BAT_TOO_LARGE)

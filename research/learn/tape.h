@@ -15,8 +15,8 @@
 ///     learn_tape_backward(tape, loss, 1);
 ///     status = learn_tape_status(tape, error);
 ///
-/// Nothing is freed between steps: after the first ones a step allocates no memory. After a failure (out of
-/// memory) the operations do nothing, and learn_tape_status() at the end reports it. Wrong shapes are programming errors,
+/// Nothing is freed between steps: after the first ones a step allocates no memory. After a failure (out of memory, no
+/// OpenBLAS) the operations do nothing, and learn_tape_status() at the end reports it. Wrong shapes are programming errors,
 /// which are asserted.
 
 /// A matrix and, where needed, the derivative of the loss by its numbers. Lives until the tape begins the next step.
@@ -59,7 +59,8 @@ void learn_tape_drop(learn_tape *tape, uint64_t key);
 /// Differentiate `loss` (1 x 1), times `weight`: fill in all gradients. At most once per step.
 void learn_tape_backward(learn_tape *tape, learn_array *loss, real weight);
 /// The status of the step so far.
-/// @return BAT_OK, BAT_NO_MEMORY, or BAT_TOO_LARGE for an array with more rows or columns than INT_MAX
+/// @return BAT_OK, BAT_NO_MEMORY, BAT_TOO_LARGE for an array with more rows or columns than INT_MAX, or the failure of
+///         blas_load()
 bat_status learn_tape_status(const learn_tape *tape, bat_error *error);
 
 /// The array of a parameter.

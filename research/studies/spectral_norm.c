@@ -32,6 +32,9 @@ static double iterate(int rows, int columns, const double *a, double *v, double 
 
 bat_status spectral_norm(size_t rows, size_t columns, const double *a, double *norm, bat_error *error)
 {
+    bat_status status = blas_load(error);
+    if (status != BAT_OK)
+        return status;
     double *v = memory_array(columns + rows, sizeof *v);
     if (v == NULL)
         return error_memory(error, (columns + rows) * sizeof *v);

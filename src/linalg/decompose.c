@@ -177,6 +177,9 @@ static void substitute(size_t n, size_t columns, const double *a, const size_t *
 
 bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_error *error)
 {
+    bat_status status = n > BLOCK ? blas_load(error) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
     size_t *pivots = memory_array(n, sizeof *pivots);
     if (pivots == NULL)
         return error_memory(error, n * sizeof *pivots);

@@ -15,7 +15,8 @@ bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const
 /// @param b `rows` numbers; receives x as its first `columns` numbers, and the residual in other axes as the last ones
 bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error);
 
-/// Solve a x = b by elimination with row exchanges; BAT_NO_CONVERGENCE also for a singular matrix. Destroys `a`.
+/// Solve a x = b by elimination with row exchanges; BAT_NO_CONVERGENCE also for a singular matrix, or the failure of
+/// blas_load(). Destroys `a`.
 /// @param b n x columns; receives x
 bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_error *error);
 

@@ -2,9 +2,9 @@
 
 #include "base/error.h"
 #include "base/lanes.h"
+#include "linalg/blas.h"
 #include "linalg/blas_single.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,11 +6,8 @@
 #include "batten/mesh_refine.h"
 #include "batten/space.h"
 #include "check.h"
+#include "linalg/blas.h"
 #include "mesh_makers.h"
-
-#if BATTEN_HAS_BLAS
-#include <cblas.h>
-#endif
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -35,9 +32,12 @@ typedef struct results
     int team; ///< threads of a region that asks for two
 } results;
 
-static void multiply(double *product)
+static bat_status multiply(double *product)
 {
 #if BATTEN_HAS_BLAS
+    bat_status status = blas_load(NULL);
+    if (status != BAT_OK)
+        return status;
     static double a[SIDE * SIDE];
     for (size_t i = 0; i < SIDE * SIDE; i++)
         a[i] = sin((double)i);
@@ -45,6 +45,7 @@ static void multiply(double *product)
 #else
     (void)product;
 #endif
+    return BAT_OK;
 }
 
 static bool compute(results *made)
@@ -68,7 +69,7 @@ static bool compute(results *made)
     done = done && bat_mesh_refine(&torus, &mesh, &made->mesh, NULL, NULL) == BAT_OK;
     done = done && bat_mesh_compare(&torus, &made->mesh, &compare, &made->distance, NULL) == BAT_OK;
     bat_mesh_free(&torus);
-    multiply(made->product);
+    done = done && multiply(made->product) == BAT_OK;
     int team = 0;
 #pragma omp parallel num_threads(threads_for(2, 2)) reduction(+ : team)
     team++;
@@ -142,10 +143,25 @@ static void a_child_of_a_fresh_process_has_threads(void **state)
     assert_true(process > 0 && ends_well(process));
 }
 
+/// The first product of all, in a process made after calls with several threads.
+static void a_child_loads_blas(void **state)
+{
+    (void)state;
+    static double product[SIDE * SIDE];
+    int team = 0;
+#pragma omp parallel num_threads(THREADS) reduction(+ : team)
+    team++;
+    pid_t process = fork();
+    if (process == 0)
+        _exit(multiply(product) == BAT_OK ? 0 : 1);
+    assert_true(team > 0 && process > 0 && ends_well(process));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_child_of_a_fresh_process_has_threads),
+        cmocka_unit_test(a_child_loads_blas),
         cmocka_unit_test(calls_end_after_a_fork),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

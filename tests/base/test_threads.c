@@ -3,9 +3,9 @@
 
 #include "base/threads.h"
 #include "check.h"
+#include "linalg/blas.h"
 #include "linalg/blas_single.h"
 
-#include <cblas.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -57,6 +57,15 @@ static void without_memory_for_stacks_there_is_one_thread(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
+static void threads_load_blas_at_once(void **state)
+{
+    (void)state;
+    int failures = 0;
+#pragma omp parallel num_threads(4) reduction(+ : failures)
+    failures += blas_load(NULL) != BAT_OK || openblas_get_num_threads() < 1;
+    assert_int_equal(failures, 0);
+}
+
 /// However uses nest or overlap: one thread during, and afterwards the number of before.
 static void blas_has_its_threads_back(void **state)
 {
@@ -88,7 +97,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_are_no_more_than_pieces), cmocka_unit_test(short_work_is_not_shared),
         cmocka_unit_test(who_wants_threads_gets_them),     cmocka_unit_test(without_memory_for_stacks_there_is_one_thread),
-        cmocka_unit_test(blas_has_its_threads_back),
+        cmocka_unit_test(threads_load_blas_at_once),       cmocka_unit_test(blas_has_its_threads_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,9 +3,8 @@
 #include "check.h"
 
 #include "batten/base.h"
+#include "linalg/blas.h"
 #include "linalg/multifrontal.h"
-
-#include <cblas.h>
 
 /// The least pivot of a factorization.
 static double factor(multifrontal *solver, const double *lower, const double *upper)
@@ -313,6 +312,7 @@ static void threads_and_earlier_matrices_change_no_byte(void **state)
     (void)state;
     test_system made = make_system(GRAPH_GRID, 4900, false, 2), other = make_system(GRAPH_GRID, 4900, false, 4);
     double *one = calloc(4900, sizeof *one), *more = calloc(4900, sizeof *more);
+    assert_int_equal(blas_load(NULL), BAT_OK);
     int before = openblas_get_num_threads();
     assert_true(one != NULL && more != NULL);
     solve_often(&made, &other, 1, one);

@@ -11,10 +11,10 @@
 #include "arguments.h"
 #include "check.h"
 #include "failing_memory.h"
+#include "linalg/blas.h"
 #include "report.h"
 #include "verb.h"
 
-#include <cblas.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -399,7 +399,7 @@ static int make_input(void **state)
 {
     (void)state;
     (void)strcpy(folder, "/tmp/batten-test-XXXXXX");
-    if (mkdtemp(folder) == NULL || chdir(folder) != 0)
+    if (mkdtemp(folder) == NULL || chdir(folder) != 0 || blas_load(NULL) != BAT_OK)
         return -1;
     write_file("plane.csv", "x,y\n0,0\n3,1\n4,4\n1,5\n0,3\n");
     char many[TEXT] = "x,y,height\n";

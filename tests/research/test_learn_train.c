@@ -329,6 +329,7 @@ static void checkpoints_of_other_trainings_are_refused(void **state)
 static void the_threads_of_blas_are_put_back(void **state)
 {
     (void)state;
+    check_status(blas_load(NULL), BAT_OK);
     int before = openblas_get_num_threads();
     blas_single_begin();
     blas_single_begin();

@@ -5,10 +5,9 @@
 #include "surface/network/chart_network.h"
 
 #include "base/error.h"
+#include "linalg/blas.h"
 #include "linalg/dense.h"
 #include "linalg/vector.h"
-
-#include <cblas.h>
 
 enum
 {
@@ -134,13 +133,16 @@ static double root_mean_square(const polynomial_patch *descriptor, const double 
 bat_status polynomial_patch_fit(const double *points, const double *parameters, size_t count, double noise,
                                 polynomial_patch *descriptor, bat_error *error)
 {
+    bat_status status = blas_load(error);
+    if (status != BAT_OK)
+        return status;
     size_t size = (size_t)COLUMNS * (COLUMNS + BLOCK) * sizeof(double);
     double *products = memory_array(size, 1);
     if (products == NULL)
         return error_memory(error, size);
     accumulate(points, parameters, count, products + COLUMNS * COLUMNS, products);
     polynomial_patch made;
-    bat_status status = solve(products, ORDER_COST + NOISE_COST * noise * noise / (double)count, &made, error);
+    status = solve(products, ORDER_COST + NOISE_COST * noise * noise / (double)count, &made, error);
     free(products);
     if (status != BAT_OK)
         return status;
