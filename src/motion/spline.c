@@ -616,39 +616,24 @@ bat_status bat_motion_spline_at(const bat_motion_spline *spline, double time, do
     return status == BAT_OK ? BAT_OK : leaves_space(spline, status, time, BAT_NO_INDEX, error);
 }
 
-/// Points of one interval at the shares of a run.
-static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval, const double *shares, size_t count,
-                               double *points)
+/// Points at up to SPLINE_RUN places, of one interval or of several.
+static bat_status evaluate_run(const bat_motion_spline *spline, bool mixed, const uint32_t *intervals, const double *shares,
+                               size_t count, double *points)
 {
-    size_t dim = spline->space.point_dim;
+    size_t dim = spline->space.point_dim, size = spline->record_size;
     for (size_t i = 0; i < spline->factor_count; i++)
     {
         const spline_factor *f = &spline->factors[i];
-        const double *record = spline->records + interval * spline->record_size + f->record_at;
-        bat_status status = spline_factor_run(f, record, shares, count, points + f->point_at, dim);
+        const double *records = spline->records + f->record_at;
+        double *to = points + f->point_at;
+        bat_status status = mixed ? spline_factor_mixed(f, records, size, intervals, shares, count, to, dim)
+                                  : spline_factor_run(f, records + *intervals * size, shares, count, to, dim);
         if (status != BAT_OK)
             return status;
     }
     for (size_t j = 0; j < count; j++)
-        copy_key(spline, &(place){.interval = interval, .share = shares[j]}, points + j * dim, NULL);
-    return check_finite(points, count * dim);
-}
-
-/// Points of several intervals, up to SPLINE_RUN.
-static bat_status evaluate_mixed(const bat_motion_spline *spline, const uint32_t *intervals, const double *shares,
-                                 size_t count, double *points)
-{
-    size_t dim = spline->space.point_dim;
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < spline->factor_count && status == BAT_OK; i++)
-    {
-        const spline_factor *f = &spline->factors[i];
-        status = spline_factor_mixed(f, spline->records + f->record_at, spline->record_size, intervals, shares, count,
-                                     points + f->point_at, dim);
-    }
-    for (size_t j = 0; j < count; j++)
         copy_key(spline, &(place){.interval = intervals[j], .share = shares[j]}, points + j * dim, NULL);
-    return status == BAT_OK ? check_finite(points, count * dim) : status;
+    return check_finite(points, count * dim);
 }
 
 /// Points alone of up to SPLINE_RUN times, those of an interval together where they follow each other. False where they must
@@ -657,7 +642,7 @@ static bool sample_run(const bat_motion_spline *spline, const double *times, siz
 {
     uint32_t intervals[SPLINE_RUN];
     double shares[SPLINE_RUN];
-    size_t dim = spline->space.point_dim, runs = 1;
+    size_t runs = 1;
     for (size_t i = 0; i < count; i++)
     {
         if (times[i] >= spline->times[at->interval] && times[i] < spline->times[at->interval + 1])
@@ -672,16 +657,15 @@ static bool sample_run(const bat_motion_spline *spline, const double *times, siz
         for (size_t k = 0; k < spline->record_size; k += CACHE_LINE)
             __builtin_prefetch(spline->records + at->interval * spline->record_size + k);
     }
-    if (MIN_RUN * runs > count)
-        return evaluate_mixed(spline, intervals, shares, count, points) == BAT_OK;
-    for (size_t i = 0, next = 0; i < count; i = next)
+    bool mixed = MIN_RUN * runs > count, done = true;
+    for (size_t i = 0, next = 0; i < count && done; i = next)
     {
-        while (next < count && intervals[next] == intervals[i])
+        while (next < count && (mixed || intervals[next] == intervals[i]))
             next++;
-        if (evaluate_run(spline, intervals[i], shares + i, next - i, points + i * dim) != BAT_OK)
-            return false;
+        done =
+            evaluate_run(spline, mixed, intervals + i, shares + i, next - i, points + i * spline->space.point_dim) == BAT_OK;
     }
-    return true;
+    return done;
 }
 
 /// Evaluate times `begin` to `end`.
