@@ -356,7 +356,7 @@ static bool is_gap(const spline_system *system, size_t i)
     bool closed = is_closed(system), left = i > 0 || closed, right = i + 1 < system->intervals || closed;
     double before = left ? system->lengths[spline_interval_beside(system, i, -1)] : 0;
     double after = right ? system->lengths[spline_interval_beside(system, i, 1)] : 0;
-    return system->intervals > 2 && system->lengths[i] > (left && right ? LONGER : LONGER_AT_END) * fmax(before, after);
+    return system->intervals > 1 && system->lengths[i] > (left && right ? LONGER : LONGER_AT_END) * fmax(before, after);
 }
 
 /// The key or interval that is `steps` after another one, of `count`. False beyond an open end.

@@ -633,6 +633,27 @@ static void gaps_are_crossed_gently(void **state)
     bat_motion_spline_free(spline);
 }
 
+/// The parabola through three keys leads far away where one step is much longer than the other.
+static void three_keys_do_not_overshoot(void **state)
+{
+    (void)state;
+    double times[] = {0, 1, 60}, points[] = {0, 1, 2}, p, far = 0;
+    bat_space line = bat_euclidean(1);
+    bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 3};
+    for (int backwards = 0; backwards < 2; backwards++)
+    {
+        bat_motion_spline *spline = must_make(&curve, NULL);
+        for (int i = 0; i <= 600; i++)
+        {
+            must_give(spline, i / 10.0, &p, NULL, NULL);
+            far = fmax(far, fmax(p - 2, -p));
+        }
+        bat_motion_spline_free(spline);
+        times[1] = 59;
+    }
+    assert_true(far < 0.01);
+}
+
 /// Keys on one side tell the motion in a last gap for a short time, and hardly anything of a long one.
 static void last_gaps_are_nearly_straight(void **state)
 {
@@ -1133,6 +1154,7 @@ int main(void)
         cmocka_unit_test(motions_do_not_leave_their_keys),
         cmocka_unit_test(gaps_are_crossed_gently),
         cmocka_unit_test(last_gaps_are_nearly_straight),
+        cmocka_unit_test(three_keys_do_not_overshoot),
         cmocka_unit_test(holes_of_recordings_turn_back),
         cmocka_unit_test(jumps_tell_no_velocity),
         cmocka_unit_test(limited_motions_are_monotone),
