@@ -12,6 +12,7 @@
 #include "space/builtin.h"
 #include "space/quaternion.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -607,7 +608,7 @@ static void speed_up(bat_hermite_curve *smooth)
 static bat_status count_samples(const bat_motion_spline *spline, const bat_hermite_curve *keys,
                                 const bat_motion_curves_options *options, size_t *count, bat_error *error)
 {
-    /// The last sample of a rate may be this share of a step late.
+    /// The last sample of a rate may be this share of a step late, beside the rounding of times.
     static const double RATE_TOLERANCE = 1e-9;
     size_t intervals = keys->closed ? keys->count : keys->count - 1;
     double wanted = (double)options->time_count;
@@ -616,7 +617,8 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
     if (options->rate > 0)
     {
         double steps = (range.end - range.begin) * options->rate;
-        wanted = fmax(keys->closed ? ceil(steps - RATE_TOLERANCE) : floor(steps + RATE_TOLERANCE) + 1, 1);
+        double late = RATE_TOLERANCE + DBL_EPSILON * fmax(fabs(range.begin), fabs(range.end)) * options->rate;
+        wanted = fmax(keys->closed ? ceil(steps - late) : floor(steps + late) + 1, 1);
     }
     else if (options->times == NULL)
         wanted = ldexp((double)intervals, (int)options->scheme.levels) + (keys->closed ? 0 : 1);

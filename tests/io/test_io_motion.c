@@ -511,13 +511,42 @@ static void times_keep_their_digits(void **state)
     bat_motion_curves_options options = bat_motion_curves_defaults();
     bat_error error;
     bat_curve_set none;
-    const double before = 1305031098.6;
+    const double before = 0.6;
+    assert_int_equal(bat_curve_set_time_origin(&set), 1305031098);
     options.times = &before;
     options.time_count = 1;
     assert_int_equal(bat_motion_curves(&set, &options, &none, &error), BAT_INVALID_ARGUMENT);
-    assert_non_null(strstr(error.text, "time 1305031098.6 is not within"));
-    assert_non_null(strstr(error.text, "1305031098.6659 to 1305031098.6758"));
+    assert_non_null(strstr(error.text, "time 0.6 is not within"));
+    assert_non_null(strstr(error.text, "0.6659 to 0.6758"));
     bat_curve_set_free(&set);
+}
+
+/// A rate reaches the last keyframe also where times since 1970 are rounded to a quarter of a microsecond.
+static void rates_reach_the_last_keyframe(void **state)
+{
+    (void)state;
+    char text[200];
+    double points[3];
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.rate = 10;
+    for (int i = 0; i < 100; i++)
+    {
+        int length = 0;
+        for (int k = 0; k < 3; k++)
+            length += snprintf(text + length, sizeof text - (size_t)length, "%d.%04d %d 0 0 0 0 0 1\n", 1305031102 + 7 * i,
+                               97 * i % 7000 + 1000 * k, k);
+        bat_curve_set set = must_read(text, TUM, NULL), made = must_smooth(&set, &options);
+        assert_int_equal(made.curves[0].count, 3);
+        assert_true(fabs(made.curves[0].points[14] - 2) < 1e-12);
+        for (int k = 0; k < 3; k++) // the same times without an origin
+            points[k] = set.curves[0].channels[k] + (double)bat_curve_set_time_origin(&set);
+        memcpy(set.curves[0].channels, points, sizeof points);
+        bat_curve_set_free(&made);
+        made = must_smooth(&set, &options);
+        assert_int_equal(made.curves[0].count, 3);
+        bat_curve_set_free(&made);
+        bat_curve_set_free(&set);
+    }
 }
 
 static void files_of_times_are_read(void **state)
@@ -705,6 +734,7 @@ int main(void)
         cmocka_unit_test(bad_keyframes_name_their_lines),
         cmocka_unit_test(timed_keyframes_become_a_motion_in_time),
         cmocka_unit_test(times_keep_their_digits),
+        cmocka_unit_test(rates_reach_the_last_keyframe),
         cmocka_unit_test(files_of_times_are_read),
         cmocka_unit_test(motions_may_rest),
         cmocka_unit_test(forms_agree),

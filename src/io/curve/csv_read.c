@@ -111,7 +111,7 @@ static int choose_time_decimals(csv_reader *reader, csv_field first)
 /// origin and the form of all. False for other times.
 static bool read_time(csv_reader *reader, size_t column, double *seconds)
 {
-    static const int DOUBLE_DIGITS = 15;
+    static const int PLAIN = 9; // characters of a time that a double holds far below a nanosecond
     iso_time date;
     int64_t nanoseconds;
     bat_curve_attributes *attributes = reader->attributes;
@@ -128,8 +128,7 @@ static bool read_time(csv_reader *reader, size_t column, double *seconds)
             (void)snprintf(attributes->time_text, sizeof attributes->time_text, "%.*s", (int)(field.end - field.begin),
                            field.begin);
     }
-    else if (((!first && attributes->time_origin == 0) || field.end - field.begin <= (first ? DOUBLE_DIGITS : 0)) &&
-             decimals == 0)
+    else if (((!first && attributes->time_origin == 0) || field.end - field.begin <= (first ? PLAIN : 0)) && decimals == 0)
         return false;
     else if (!exact_time_read(field.begin, field.end, decimals, &nanoseconds))
     {
