@@ -12,6 +12,8 @@
 static const double DEGREE = CORNER_ANGLE_LIMIT / 180, RIGHT = CORNER_ANGLE_LIMIT / 2;
 /// A smaller turn is none.
 static const double MIN_CORNER = 20;
+/// A ring of so few vertices tells no curve: a lot, not an island.
+static const size_t FEW = 4;
 
 // Edges at right angles
 
@@ -249,7 +251,8 @@ static void flag_found(corner_search *search, unsigned char *flags)
     {
         bool pair = is_right(turns[i]) && (is_right(turns[(i + 1) % n]) || is_right(turns[(i + n - 1) % n]));
         bool back = fabs(turns[i]) > (CORNER_ANGLE_LIMIT - PAIR_WIDTH * DEGREE);
-        if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && ends_run(search, i)))
+        bool told = ends_run(search, i) || (search->curve->closed && n <= FEW);
+        if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && told))
             flags[i] = 1;
     }
     bat_curve_edge_lengths(search->curve, search->lengths);

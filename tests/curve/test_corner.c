@@ -506,7 +506,7 @@ static void right_angles_are_found(void **state)
 static void round_curves_have_no_corners(void **state)
 {
     (void)state;
-    double points[2 * 40], kite[] = {0, 0, 2, -1, 3, 1, 0, 2};
+    double points[2 * 40];
     for (size_t count = 5; count <= 40; count++)
     {
         for (size_t i = 0; i < count; i++)
@@ -528,7 +528,16 @@ static void round_curves_have_no_corners(void **state)
         }
         assert_int_equal(corners_found(points, count, false, "learned"), 0);
     }
-    assert_int_equal(corners_found(kite, 4, true, "learned"), 0);
+}
+
+/// Rings of three or four vertices tell no curve.
+static void lots_keep_their_corners(void **state)
+{
+    (void)state;
+    double kite[] = {0, 0, 2, -1, 3, 1, 0, 2}, triangle[] = {0, 0, 2, 0, 0, 1};
+    assert_int_equal(corners_found(kite, 4, true, "learned"), 4);
+    assert_int_equal(corners_found(triangle, 3, true, "learned"), 3);
+    assert_int_equal(corners_found(kite, 4, false, "learned"), 0);
 }
 
 static void straight_runs_end_in_corners(void **state)
@@ -588,6 +597,7 @@ int main(void)
         cmocka_unit_test(failures_name_the_vertex_of_the_whole),
         cmocka_unit_test(right_angles_are_found),
         cmocka_unit_test(round_curves_have_no_corners),
+        cmocka_unit_test(lots_keep_their_corners),
         cmocka_unit_test(straight_runs_end_in_corners),
         cmocka_unit_test(simplified_lines_have_corners),
         cmocka_unit_test(schemes_that_move_corners_have_none),
