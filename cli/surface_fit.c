@@ -230,7 +230,8 @@ const char *surface_verdict(const bat_surface_verdict *verdict)
     static const char *const DOUBTS[] = {"right", "right, but it leaves the tangent planes of the points beside it",
                                          "right, but neighbours on its outline are far apart",
                                          "right, but points are sparse at its outline, so that the shape may go on",
-                                         "right, but a gap between points is closed"};
+                                         "right, but a gap between points is closed",
+                                         "right, but a point lies far off and bends it (see --robust)"};
     return verdict->fault == BAT_SURFACE_FAULT_NONE ? DOUBTS[verdict->doubt] : TEXTS[verdict->fault];
 }
 

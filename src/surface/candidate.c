@@ -26,6 +26,9 @@ static const double TENSOR_FACTOR = 0.95;
 // Largest admissible ratio of a one-sided Hausdorff distance to the smallest one among the candidates.
 static const double MAX_DISTANCE_RATIO = 2;
 
+/// A point is a stray beyond so many spacings, and distances of 99 % of the points.
+static const double STRAY = 5;
+
 void surface_candidate_free(surface_candidate *candidate)
 {
     free(candidate->parameters);
@@ -39,6 +42,20 @@ void surface_candidate_free(surface_candidate *candidate)
 static bool is_fatal(bat_status status)
 {
     return status == BAT_NO_MEMORY || status == BAT_CANCELLED;
+}
+
+/// Doubt a right surface over a point that is far beyond all others: least squares bend towards it.
+static void doubt_strays(const bat_cloud *cloud, const double *distances, bat_surface_verdict *verdict)
+{
+    size_t farthest = 0;
+    for (size_t i = 1; i < cloud->count; i++)
+        farthest = distances[i] > distances[farthest] ? i : farthest;
+    double least = STRAY * fmax(verdict->distance_from_surface, verdict->spacing);
+    if (verdict->fault != BAT_SURFACE_FAULT_NONE || !(distances[farthest] > least))
+        return;
+    verdict->doubt = BAT_SURFACE_DOUBT_STRAY;
+    verdict->doubt_size = distances[farthest];
+    memcpy(verdict->doubt_place, cloud->points + 3 * farthest, sizeof verdict->doubt_place);
 }
 
 /// Record a failure of this candidate in its report. A fatal failure is passed on to the caller instead.
@@ -265,6 +282,8 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
     if (status == BAT_OK)
         status = surface_judge(geometry, &candidate->surface, candidate->corrected, candidate->fit.distances, cloud->count,
                                options, &candidate->report.verdict, &failure);
+    if (status == BAT_OK && !options->robust)
+        doubt_strays(cloud, candidate->fit.distances, &candidate->report.verdict);
     return record_failure(status, &failure, candidate, error);
 }
 

@@ -458,6 +458,27 @@ static void sparse_outlines_are_doubted(void **state)
     }
 }
 
+/// One point far off bends a fit by least squares, whose verdict tells it; robust weights leave it out.
+static void strays_are_doubted(void **state)
+{
+    (void)state;
+    for (int robust = 0; robust < 2; robust++)
+    {
+        patch made = patch_scatter(patch_waves, 4, 400, 0, 4);
+        add_point(&made.cloud, 0.5, 0.5, 1);
+        made.cloud.boundary_count = 0;
+        made.cloud.has_corners = false;
+        bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
+        options.fit.robust = robust == 1;
+        bat_surface_result result = must_reconstruct(&made.cloud, &options);
+        assert_int_equal(result.verdict.doubt, robust ? BAT_SURFACE_DOUBT_NONE : BAT_SURFACE_DOUBT_STRAY);
+        if (robust == 0)
+            assert_true(result.verdict.doubt_size > 0.8 && result.verdict.doubt_place[2] == 1);
+        bat_surface_result_free(&result);
+        patch_free(&made);
+    }
+}
+
 static bool stop_at_once(void *context, double fraction)
 {
     (void)fraction;
@@ -518,6 +539,7 @@ int main(void)
         cmocka_unit_test(sparse_points_are_no_fault),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(sparse_outlines_are_doubted),
+        cmocka_unit_test(strays_are_doubted),
         cmocka_unit_test(what_is_wrong_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
