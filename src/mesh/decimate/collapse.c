@@ -189,30 +189,6 @@ bat_status collapse_mesh_make(const bat_mesh *mesh, bool seams, collapse_mesh *m
     return BAT_OK;
 }
 
-bool collapse_edge_is_rim(const collapse_mesh *mesh, uint32_t edge)
-{
-    return mesh->twin[mesh->half_edge[edge]] == BAT_MESH_NONE || (mesh->sharpness != NULL && mesh->sharpness[edge] > 0);
-}
-
-bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge)
-{
-    return collapse_edge_is_rim(mesh, edge) || (mesh->seam != NULL && mesh->seam[edge] != 0);
-}
-
-bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept)
-{
-    uint32_t h = mesh->half_edge[edge], a = mesh->corner[h], b = mesh->corner[bat_mesh_next(h)];
-    uint8_t of_a = mesh->freedom[a], of_b = mesh->freedom[b];
-    *kept = BAT_MESH_NONE;
-    if (of_a == COLLAPSE_FREE && of_b == COLLAPSE_FREE)
-        return true;
-    if (of_a != of_b)
-        *kept = of_a > of_b ? a : b;
-    if (collapse_edge_is_curve(mesh, edge))
-        return of_a != COLLAPSE_FIXED || of_b != COLLAPSE_FIXED;
-    return of_a == COLLAPSE_FREE || of_b == COLLAPSE_FREE;
-}
-
 /// Append faces counter-clockwise around the vertex where `from` begins, from its face up to the face of `until`, which is
 /// excluded, or to the boundary. False when there are too many.
 static bool append_fan(const collapse_mesh *mesh, collapse_ring *ring, uint32_t from, uint32_t until)

@@ -72,13 +72,33 @@ static inline bool collapse_texture_jumps(const bat_mesh *mesh, uint32_t a, uint
     return of_a[0] != of_b[0] || of_a[1] != of_b[1];
 }
 
-/// Whether an edge is on the boundary, a crease, a seam or a border of parts.
-bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge);
 /// Whether an edge is on the boundary or a crease.
-bool collapse_edge_is_rim(const collapse_mesh *mesh, uint32_t edge);
+static inline bool collapse_edge_is_rim(const collapse_mesh *mesh, uint32_t edge)
+{
+    return mesh->twin[mesh->half_edge[edge]] == BAT_MESH_NONE || (mesh->sharpness != NULL && mesh->sharpness[edge] > 0);
+}
+
+/// Whether an edge is on the boundary, a crease, a seam or a border of parts.
+static inline bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge)
+{
+    return collapse_edge_is_rim(mesh, edge) || (mesh->seam != NULL && mesh->seam[edge] != 0);
+}
+
 /// Whether the constraints at both ends of an edge allow its collapse: fixed vertices do not move, vertices on curves stay
 /// on them, and curves do not touch. `kept` receives the end where the new vertex must be, or BAT_MESH_NONE.
-bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept);
+static inline bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept)
+{
+    uint32_t h = mesh->half_edge[edge], a = mesh->corner[h], b = mesh->corner[bat_mesh_next(h)];
+    uint8_t of_a = mesh->freedom[a], of_b = mesh->freedom[b];
+    *kept = BAT_MESH_NONE;
+    if (of_a == COLLAPSE_FREE && of_b == COLLAPSE_FREE)
+        return true;
+    if (of_a != of_b)
+        *kept = of_a > of_b ? a : b;
+    if (collapse_edge_is_curve(mesh, edge))
+        return of_a != COLLAPSE_FIXED || of_b != COLLAPSE_FIXED;
+    return of_a == COLLAPSE_FREE || of_b == COLLAPSE_FREE;
+}
 
 /// Find the ring of an edge. If exactly one of its ends is on the boundary, that end becomes i.
 /// @return false if the ring is too large or the collapse would change the topology. Then the link condition fails (Dey et
@@ -89,14 +109,16 @@ bool collapse_ring_find(collapse_mesh *mesh, uint32_t edge, collapse_ring *ring)
 /// half_edge[face] begins.
 static inline uint32_t collapse_ring_corner(const collapse_ring *ring, uint32_t face, uint32_t c)
 {
-    uint32_t apex = face >= ring->j_begin && face < ring->j_end ? 1 : 0;
-    if (face < ring->count)
-        return c == 0 ? apex : 2 + (ring->closed && face + c - 1 == ring->count ? 0 : face + c - 1);
-    uint32_t opposite = face == ring->count ? ring->j_end : ring->j_begin;
-    if (ring->closed && opposite == ring->count)
-        opposite = 0;
-    uint32_t first = face == ring->count ? 0 : 1;
-    return c == 0 ? first : c == 1 ? 1 - first : 2 + opposite;
+    bool stays = face < ring->count, of_j = stays ? face >= ring->j_begin && face < ring->j_end : face > ring->count;
+    uint32_t last = stays ? face + 1 : of_j ? ring->j_begin : ring->j_end;
+    return c == 0 ? of_j : c == 1 ? (stays ? 2 + face : !of_j) : 2 + (ring->closed && last == ring->count ? 0 : last);
+}
+
+/// The vertex at a corner of a face.
+static inline uint32_t collapse_ring_vertex(const collapse_ring *ring, uint32_t face, uint32_t c)
+{
+    uint32_t local = collapse_ring_corner(ring, face, c);
+    return local == 0 ? ring->i : local == 1 ? ring->j : ring->vertex[local - 2];
 }
 
 /// The number of different outer vertices.
