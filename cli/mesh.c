@@ -428,7 +428,7 @@ static const option_spec DECIMATE_OPTIONS[] = {
     {"method", "NAME", METHOD, COMMON,
      "{}; default balanced. memoryless: squared volumes to the present faces, at preserved volume (Lindstrom and Turk); "
      "quadric: squared distances from the planes of all faces of IN, faster and less accurate; balanced and fast: quadric "
-     "errors without a strict order to eight and three times the target, then memoryless errors; even: memoryless within "
+     "errors without a strict order to eight and six times the target, then memoryless errors; even: memoryless within "
      "three fifths of its greatest distance, in six times its time",
      CHOICE(mesh_job, decimate.method, bat_mesh_decimate_method_family)},
     {"attributes", "W", METHOD, 0,

@@ -38,16 +38,13 @@ static void add_curve_plane(const uint32_t *ends, const double *face_normal, dou
         quadric_add_plane(&vertices[ends[end]].planes, upright, weight * vector3_dot(along, along));
 }
 
-void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices)
+void error_vertices_set(const collapse_mesh *mesh, double curve_weight, error_vertex *vertices)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++)
-    {
         vertices[v].planes = (quadric){0};
-        memcpy(vertices[v].position, mesh->positions + 3 * v, sizeof vertices[v].position);
-    }
     for (size_t f = 0; f < mesh->face_count; f++)
     {
-        const uint32_t *corner = mesh->faces + 3 * f;
+        const uint32_t *corner = mesh->corner + 3 * f;
         double normal[3];
         vector3_triangle(vertices[corner[0]].position, vertices[corner[1]].position, vertices[corner[2]].position, normal);
         double twice_area = sqrt(vector3_dot(normal, normal));
@@ -59,8 +56,8 @@ void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, dou
         {
             uint32_t ends[2] = {corner[c], corner[(c + 1) % 3]};
             quadric_add_plane(&vertices[corner[c]].planes, normal, twice_area / 2);
-            if (collapse_edge_is_curve(topology, topology->edge[3 * f + c]))
-                add_curve_plane(ends, normal, collapse_edge_is_rim(topology, topology->edge[3 * f + c]) ? curve_weight : 1,
+            if (collapse_edge_is_curve(mesh, mesh->edge[3 * f + c]))
+                add_curve_plane(ends, normal, collapse_edge_is_rim(mesh, mesh->edge[3 * f + c]) ? curve_weight : 1,
                                 vertices);
         }
     }
@@ -165,14 +162,10 @@ static double worst_quality(const error_vertex *vertices, const collapse_ring *r
     double worst = 1;
     for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
     {
-        uint32_t vertex[3];
+        const double *point[3];
         for (uint32_t c = 0; c < 3; c++)
-        {
-            uint32_t local = collapse_ring_corner(ring, k, c);
-            vertex[c] = local == 0 ? ring->i : local == 1 ? ring->j : ring->vertex[local - 2];
-        }
-        face_shape shape =
-            shape_of(vertices[vertex[0]].position, vertices[vertex[1]].position, vertices[vertex[2]].position);
+            point[c] = vertices[collapse_ring_vertex(ring, k, c)].position;
+        face_shape shape = shape_of(point[0], point[1], point[2]);
         worst = fmin(worst, QUALITY_FACTOR * sqrt(shape.square) / shape.edges);
     }
     return worst;
@@ -228,8 +221,17 @@ typedef struct constraints
 typedef struct curve_chain
 {
     double point[4][3]; ///< relative to the middle
-    int edges;          ///< 0 away from curves
+    int edges;
 } curve_chain;
+
+/// Add a face to the sums of one of its vertices, or take it away.
+static void add_face(quadric *sums, const double *normal, double sign)
+{
+    quadric_add_plane(sums, normal, sign);
+    sums->x += sign * normal[0];
+    sums->y += sign * normal[1];
+    sums->z += sign * normal[2];
+}
 
 void memoryless_vertex_set(const collapse_mesh *mesh, error_vertex *vertices, uint32_t vertex)
 {
@@ -248,14 +250,32 @@ void memoryless_vertex_set(const collapse_mesh *mesh, error_vertex *vertices, ui
         uint32_t previous = bat_mesh_previous(h);
         vector3_subtract(vertices[mesh->corner[previous]].position, sums->position, to);
         vector3_cross(from, to, normal);
-        quadric_add_plane(&planes, normal, 1);
-        planes.x += normal[0];
-        planes.y += normal[1];
-        planes.z += normal[2];
+        add_face(&planes, normal, 1);
         memcpy(from, to, sizeof from);
         h = mesh->twin[previous];
     } while (h != BAT_MESH_NONE && h != first);
     sums->planes = planes;
+}
+
+void memoryless_merge(error_vertex *vertices, const collapse_ring *ring, const double *position)
+{
+    quadric sums = {0};
+    for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
+    {
+        double normal[3];
+        error_vertex *b = &vertices[collapse_ring_vertex(ring, k, 1)], *c = &vertices[collapse_ring_vertex(ring, k, 2)];
+        vector3_triangle(vertices[collapse_ring_vertex(ring, k, 0)].position, b->position, c->position, normal);
+        add_face(&b->planes, normal, -1);
+        add_face(&c->planes, normal, -1);
+        if (k >= ring->count)
+            continue;
+        vector3_triangle(position, b->position, c->position, normal);
+        add_face(&b->planes, normal, 1);
+        add_face(&c->planes, normal, 1);
+        add_face(&sums, normal, 1);
+    }
+    vertices[ring->i].planes = sums;
+    memcpy(vertices[ring->i].position, position, sizeof vertices->position);
 }
 
 /// Add an equation if it is independent of the others (1998, section 4.1).
@@ -380,9 +400,7 @@ static uint32_t next_on_curve(const collapse_mesh *mesh, uint32_t vertex, uint32
 /// The curve's edges around an edge of it.
 static curve_chain chain_of(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *middle)
 {
-    curve_chain chain = {.edges = 0};
-    if (!collapse_edge_is_curve(mesh, edge))
-        return chain;
+    curve_chain chain;
     uint32_t h = mesh->half_edge[edge], i = mesh->corner[h], j = mesh->corner[bat_mesh_next(h)];
     const uint32_t vertex[4] = {next_on_curve(mesh, i, j), i, j, next_on_curve(mesh, j, i)};
     int count = 0;
@@ -416,8 +434,9 @@ static quadric chain_areas(const curve_chain *chain, constraints *all)
     return sum;
 }
 
-/// The sums of both ends, with the faces that they share counted once.
-static quadric faces_of_edge(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *half)
+/// The sums of both ends, with the faces that they share counted once; of the normals in `whole`.
+static quadric faces_of_edge(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *half,
+                             double *whole)
 {
     uint32_t h = mesh->half_edge[edge];
     const error_vertex *a = &vertices[mesh->corner[h]], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
@@ -429,36 +448,40 @@ static quadric faces_of_edge(const collapse_mesh *mesh, const error_vertex *vert
     sum.y = of_a[1] - of_b[1];
     sum.z = of_a[2] - of_b[2];
     sum.constant = vector3_dot(half, of_a) + vector3_dot(half, of_b);
+    const double normals[3] = {a->planes.x + b->planes.x, a->planes.y + b->planes.y, a->planes.z + b->planes.z};
+    memcpy(whole, normals, sizeof normals);
     vector3_subtract(b->position, a->position, along);
     for (uint32_t side = h; side != BAT_MESH_NONE; side = side == h ? mesh->twin[h] : BAT_MESH_NONE)
     {
         vector3_subtract(vertices[mesh->corner[bat_mesh_previous(side)]].position, a->position, aside);
         vector3_cross(along, aside, normal);
         quadric_add_plane(&sum, normal, -1);
+        for (int c = 0; c < 3; c++)
+            whole[c] += side == h ? -normal[c] : normal[c];
     }
     return sum;
 }
 
-/// The volume stays: the sum of the normals times d equals that at the middle.
-static void preserve_volume(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *half,
-                            double smallest, constraints *all)
+/// The minimum in the plane normal . d = right, without square roots. False where it is ill determined.
+static bool minimize_in_plane(const quadric *q, const double *normal, double right, double *d)
 {
-    uint32_t h = mesh->half_edge[edge];
-    const error_vertex *a = &vertices[mesh->corner[h]], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
-    const double of_a[3] = {a->planes.x, a->planes.y, a->planes.z}, of_b[3] = {b->planes.x, b->planes.y, b->planes.z};
-    double along[3], aside[3], normal[3], sum[3];
+    const double square = vector3_dot(normal, normal), gradient[3] = {q->x, q->y, q->z};
+    double u[3], v[3], qu[3], qv[3];
+    const double axis[3] = {fabs(normal[0]) < fabs(normal[1]), !(fabs(normal[0]) < fabs(normal[1])), 0};
+    vector3_cross(normal, axis, u);
+    vector3_cross(normal, u, v);
+    multiply(q, u, qu);
+    multiply(q, v, qv);
+    double uu = vector3_dot(u, qu), uv = vector3_dot(u, qv), vv = vector3_dot(v, qv), determinant = uu * vv - uv * uv,
+           trace = uu + vv / square;
+    if (!(determinant > SQUARED_SINE * square * trace * trace && trace > GRADIENT_ROUNDING * quadric_weight(q) * square))
+        return false;
+    double level = right / square, of_u = vector3_dot(u, gradient) + level * vector3_dot(normal, qu),
+           of_v = vector3_dot(v, gradient) + level * vector3_dot(normal, qv);
+    double s = (uv * of_v - vv * of_u) / determinant, t = (uv * of_u - uu * of_v) / determinant;
     for (int c = 0; c < 3; c++)
-        sum[c] = of_a[c] + of_b[c];
-    vector3_subtract(b->position, a->position, along);
-    for (uint32_t side = h; side != BAT_MESH_NONE; side = side == h ? mesh->twin[h] : BAT_MESH_NONE)
-    {
-        double sign = side == h ? -1 : 1;
-        vector3_subtract(vertices[mesh->corner[bat_mesh_previous(side)]].position, a->position, aside);
-        vector3_cross(along, aside, normal);
-        for (int c = 0; c < 3; c++)
-            sum[c] += sign * normal[c];
-    }
-    add_constraint(all, sum, vector3_dot(of_b, half) - vector3_dot(of_a, half), smallest);
+        d[c] = level * normal[c] + s * u[c] + t * v[c];
+    return true;
 }
 
 /// The squared distances from the vertices around an edge.
@@ -507,23 +530,24 @@ static void place_at(const error_vertex *a, const error_vertex *b, const double 
 }
 
 error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields,
-                                 uint32_t edge, uint32_t kept)
+                                 uint32_t edge, uint32_t kept, bool quick)
 {
     uint32_t h = mesh->half_edge[edge], i = mesh->corner[h];
     const error_vertex *a = &vertices[i], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
-    double half[3], middle[3], offset[3] = {0};
+    double half[3], middle[3], offset[3] = {0}, whole[3];
     for (int c = 0; c < 3; c++)
     {
         half[c] = (b->position[c] - a->position[c]) / 2;
         middle[c] = a->position[c] + half[c];
     }
-    constraints all = {.count = 0};
+    constraints all;
+    all.count = 0;
     double square = 4 * vector3_dot(half, half);
-    quadric error = faces_of_edge(mesh, vertices, edge, half);
+    quadric error = faces_of_edge(mesh, vertices, edge, half, whole);
     double weight = quadric_weight(&error);
-    curve_chain chain = chain_of(mesh, vertices, edge, middle);
-    if (chain.edges > 0)
+    if (collapse_edge_is_curve(mesh, edge))
     {
+        curve_chain chain = chain_of(mesh, vertices, edge, middle);
         quadric areas = chain_areas(&chain, &all);
         double share = 9 * BOUNDARY_WEIGHT / VOLUME_WEIGHT * square;
         double *to = &error.xx, *from = &areas.xx;
@@ -533,17 +557,20 @@ error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *
     error_placement placed;
     if (kept == BAT_MESH_NONE)
     {
-        preserve_volume(mesh, vertices, edge, half, GRADIENT_ROUNDING * sqrt(fmax(weight, 0)), &all);
-        if (all.count < 3)
-            add_minimum(&all, &error);
-        if (all.count < 3)
+        const double of_a[3] = {a->planes.x, a->planes.y, a->planes.z}, of_b[3] = {b->planes.x, b->planes.y, b->planes.z};
+        double volume = vector3_dot(of_b, half) - vector3_dot(of_a, half);
+        bool solved = quick && all.count == 0 && minimize_in_plane(&error, whole, volume, offset);
+        if (!solved)
         {
-            quadric neighbours = neighbours_of_edge(mesh, vertices, edge, middle);
+            add_constraint(&all, whole, volume, GRADIENT_ROUNDING * sqrt(fmax(weight, 0)));
+            add_minimum(&all, &error);
+            quadric neighbours = all.count < 3 ? neighbours_of_edge(mesh, vertices, edge, middle) : error;
             add_minimum(&all, &neighbours);
+            solved = all.count == 3;
+            if (solved)
+                solve(&all, offset);
         }
-        if (all.count == 3)
-            solve(&all, offset);
-        if (all.count < 3 || !(vector3_dot(offset, offset) <= MAX_MOVE * MAX_MOVE * square))
+        if (!solved || !(vector3_dot(offset, offset) <= MAX_MOVE * MAX_MOVE * square))
             memset(offset, 0, sizeof offset);
         place_at(a, b, half, middle, offset, placed.position);
     }

@@ -147,10 +147,10 @@ typedef struct error_placement
     double error; ///< the key by which edges are ordered
 } error_placement;
 
-/// Set the quadrics: the planes of each vertex's faces, weighted by area. Each boundary and crease edge adds the plane
-/// through it that is perpendicular to its face, weighted by its squared length times `curve_weight`; at a seam, where no
-/// gap can open, by its squared length alone.
-void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices);
+/// Set the quadrics, with the positions set: the planes of each vertex's faces, weighted by area. Each boundary and crease
+/// edge adds the plane through it that is perpendicular to its face, weighted by its squared length times `curve_weight`; at
+/// a seam, where no gap can open, by its squared length alone.
+void error_vertices_set(const collapse_mesh *mesh, double curve_weight, error_vertex *vertices);
 
 /// Place the new vertex of the edge from i to j at the minimum of the error. An end or the midpoint is preferred where it is
 /// as good. `kept` is the prescribed end, or BAT_MESH_NONE.
@@ -177,11 +177,14 @@ bool error_faces_stay_valid(const error_vertex *vertices, const collapse_ring *r
 
 /// Set the sums of a vertex from its current faces.
 void memoryless_vertex_set(const collapse_mesh *mesh, error_vertex *vertices, uint32_t vertex);
+/// Move vertex i of a ring to the new position and update the sums of it and of the vertices around. It goes before
+/// collapse_apply().
+void memoryless_merge(error_vertex *vertices, const collapse_ring *ring, const double *position);
 
-/// Place the new vertex of an edge. The mean squared error of its values is added to that of the faces. `kept` is the
-/// prescribed end, or BAT_MESH_NONE.
+/// Place the new vertex of an edge, by a closed form where `quick`. The mean squared error of its values is added to that of
+/// the faces. `kept` is the prescribed end, or BAT_MESH_NONE.
 error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields,
-                                 uint32_t edge, uint32_t kept);
+                                 uint32_t edge, uint32_t kept, bool quick);
 
 // A bound on the distance between a mesh and its decimation, checked at samples for every collapse.
 //

@@ -10,6 +10,7 @@
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,16 +32,22 @@ enum
     REPORT_INTERVAL = 1024,
     /// Arithmetic operations of an edge's error, roughly.
     ERROR_OPERATIONS = 300,
-    /// Sweeps end when this many times the wanted vertices or faces are left, and at this number at the latest.
-    SWEEP_TARGET_FAST = 3,
+    /// Quadric sweeps end when this many times the wanted vertices or faces are left, and at this number at the latest.
+    SWEEP_TARGET_FAST = 6,
     SWEEP_TARGET_BALANCED = 8,
     SWEEP_MIN_LEFT = 100,
     /// Errors from which a sweep takes its threshold.
     SWEEP_SAMPLES = 1024
 };
 
-/// The share of the edges below the threshold of a sweep.
-static const double SWEEP_SHARE = 0.6;
+/// The share of the edges below the threshold of a sweep; the largest one by memoryless errors.
+static const double SWEEP_SHARE = 0.6, SWEEP_SHARE_MEMORYLESS = 0.5;
+/// A refused edge comes again at so many times the threshold.
+static const double REFUSED = 2;
+/// The first guess of a sweep's decrease of the faces, divided by its share of the edges.
+static const double SWEEP_YIELD = 0.9;
+/// The share of the faces above the target that a memoryless sweep removes, and more of them by this share of all.
+static const double SWEEP_STEP = 0.7, SWEEP_SLACK = 0.01;
 
 /// The state of a decimation.
 typedef struct decimation
@@ -54,6 +61,7 @@ typedef struct decimation
     error_vertex *vertices;
     edge_queue queue;
     bool memoryless;    ///< the errors are memoryless, not quadric
+    bool sweeping;      ///< without a queue; memoryless sums are updated, not set
     double *errors;     ///< for each edge; infinite where it must not collapse
     uint32_t *changed;  ///< for each vertex: the last collapse that changed its error; null for quadric errors in order
     uint32_t *computed; ///< for each edge: the last collapse before its error was computed; null as `changed`
@@ -98,7 +106,7 @@ static bool place(const decimation *all, uint32_t edge, uint32_t *kept, error_pl
     if (!collapse_edge_is_allowed(&all->mesh, edge, kept))
         return false;
     if (all->memoryless)
-        *placed = memoryless_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
+        *placed = memoryless_place(&all->mesh, all->vertices, &all->fields, edge, *kept, all->sweeping);
     else
         *placed = error_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
     return isfinite(placed->error);
@@ -119,7 +127,7 @@ static void update_error(decimation *all, uint32_t edge)
         edge_queue_remove(&all->queue, edge);
 }
 
-/// Compute the errors of all edges.
+/// Compute the errors of all edges; before sweeps they are 0, which stands for unknown.
 static void compute_errors(decimation *all)
 {
     collapse_mesh *mesh = &all->mesh;
@@ -135,8 +143,8 @@ static void compute_errors(decimation *all)
         {
             error_placement placed;
             uint32_t kept;
-            bool allowed = mesh->half_edge[e] != BAT_MESH_NONE && place(all, (uint32_t)e, &kept, &placed);
-            all->errors[e] = allowed ? placed.error : INFINITY;
+            bool live = mesh->half_edge[e] != BAT_MESH_NONE, known = live && !all->sweeping;
+            all->errors[e] = known && place(all, (uint32_t)e, &kept, &placed) ? placed.error : known || !live ? INFINITY : 0;
         }
     }
 }
@@ -150,7 +158,8 @@ static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_
         return status;
     for (size_t i = 0; i < fine->corner_count; i++)
         all->corners[fine->corners[i].vertex] = fine->corners[i].sharpness;
-    error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
+    for (size_t v = 0; v < fine->vertex_count; v++)
+        memcpy(all->vertices[v].position, fine->positions + 3 * v, sizeof all->vertices->position);
     if (all->options->attributes > 0)
         status = attributes_make(fine, &all->mesh, all->options->attributes, &all->pool, &all->fields, error);
     return status;
@@ -221,7 +230,10 @@ static void merge(decimation *all, const error_placement *placed, uint32_t kept,
 {
     const collapse_ring *ring = &all->ring;
     attributes_merge(&all->fields, &all->mesh, ring, placed->position, kept, all->vertices);
-    error_merge(all->vertices, ring->i, ring->j, placed->position);
+    if (all->sweeping && all->memoryless)
+        memoryless_merge(all->vertices, ring, placed->position);
+    else
+        error_merge(all->vertices, ring->i, ring->j, placed->position);
     if (all->bound != NULL)
         tolerance_apply(all->bound, ring);
     collapse_apply(&all->mesh, ring, gone, gone_count);
@@ -299,10 +311,11 @@ static bat_status report(const decimation *all, bat_error *error)
                            mesh->vertices_left);
 }
 
-/// A threshold that about SWEEP_SHARE of the finite errors do not exceed; below all numbers when there is none. An error of
-/// 0 may be unknown.
-static double sweep_threshold(const decimation *all, double *samples)
+/// A threshold that about a share of the finite errors do not exceed; below all numbers when there is none. An error of 0
+/// may be unknown.
+static double sweep_threshold(const decimation *all, double share)
 {
+    double samples[SWEEP_SAMPLES];
     size_t count = 0, live = 0, step, seen = 0;
     for (size_t e = 0; e < all->mesh.edge_count; e++)
         live += isfinite(all->errors[e]) ? 1 : 0;
@@ -321,20 +334,25 @@ static double sweep_threshold(const decimation *all, double *samples)
     if (count == 0)
         return -INFINITY;
     qsort(samples, count, sizeof *samples, ascending);
-    return samples[(size_t)(SWEEP_SHARE * (double)count)];
+    return samples[(size_t)(share * (double)count)];
 }
 
 /// Collapse an edge if its present error does not exceed a threshold and all checks allow it. Errors of the edges around are
-/// out of date from then on, but too small rather than too large, since sums of squares grow.
+/// out of date from then on, but too small rather than too large, since sums of squares and faces grow.
 static bat_status sweep_edge(decimation *all, uint32_t edge, double threshold, bat_error *error)
 {
     error_placement placed;
     uint32_t kept, gone[3], gone_count;
     bool allowed = place(all, edge, &kept, &placed);
     all->errors[edge] = allowed ? placed.error : INFINITY;
-    if (!allowed || placed.error > threshold || !collapse_ring_find(&all->mesh, edge, &all->ring) ||
-        !is_sound(all, placed.position, kept))
+    if (!allowed || placed.error > threshold)
         return BAT_OK;
+    if (!collapse_ring_find(&all->mesh, edge, &all->ring) || !is_sound(all, placed.position, kept))
+    {
+        if (all->options->method == BAT_MESH_DECIMATE_METHOD_FAST)
+            all->errors[edge] = REFUSED * threshold;
+        return BAT_OK;
+    }
     bat_status status = all->map == NULL ? BAT_OK : map_append(all->map, &all->ring, (const double(*)[2])all->flat, error);
     if (status != BAT_OK)
         return status;
@@ -345,18 +363,18 @@ static bat_status sweep_edge(decimation *all, uint32_t edge, double threshold, b
 }
 
 /// Sweep over the edges in the order of their numbers and collapse those of small errors, until a sweep changes little or
-/// the target is near.
-static bat_status sweep(decimation *all, size_t times, bat_error *error)
+/// the target is reached. Memoryless sweeps take fewer edges near it, so that the last one comes to its end.
+static bat_status sweep(decimation *all, decimation_target until, bat_error *error)
 {
-    const decimation_target *target = all->target;
-    const decimation_target until = {times * target->vertices + SWEEP_MIN_LEFT, times * target->faces + SWEEP_MIN_LEFT};
-    double samples[SWEEP_SAMPLES];
     bat_status status = BAT_OK;
-    for (size_t before = SIZE_MAX;
-         all->mesh.faces_left < before - before / 64 && !has_reached(all, until) && status == BAT_OK;)
+    double yield = SWEEP_YIELD, share = SWEEP_SHARE;
+    for (bool more = true; more && !has_reached(all, until) && status == BAT_OK;)
     {
-        before = all->mesh.faces_left;
-        double threshold = sweep_threshold(all, samples);
+        double before = (double)all->mesh.faces_left,
+               left = fmin(before - (double)until.faces, 2 * ((double)all->mesh.vertices_left - (double)until.vertices));
+        if (all->memoryless)
+            share = fmin(SWEEP_SHARE_MEMORYLESS, (SWEEP_STEP * left / before + SWEEP_SLACK) / yield);
+        double threshold = sweep_threshold(all, share);
         for (uint32_t e = 0; e < all->mesh.edge_count && status == BAT_OK && !has_reached(all, until); e++)
         {
             if (all->errors[e] <= threshold)
@@ -364,6 +382,9 @@ static bat_status sweep(decimation *all, size_t times, bat_error *error)
             if (status == BAT_OK && e % REPORT_INTERVAL == 0)
                 status = report(all, error);
         }
+        double gone = before - (double)all->mesh.faces_left;
+        yield = fmax(gone / (share * before), yield / 4);
+        more = all->memoryless ? share < SWEEP_SHARE_MEMORYLESS || gone > left / 8 : gone > floor(before / 64);
     }
     return status;
 }
@@ -389,18 +410,31 @@ static bat_status run_in_order(decimation *all, bat_error *error)
 static bat_status run(decimation *all, bat_error *error)
 {
     bat_status status = BAT_OK;
+    const decimation_target target = *all->target;
     all->initial = (decimation_target){all->mesh.vertices_left, all->mesh.faces_left};
     const bat_mesh_decimate_method method = all->options->method;
-    bool fast = method == BAT_MESH_DECIMATE_METHOD_FAST, counted = all->target->vertices + all->target->faces > 0;
+    bool fast = method == BAT_MESH_DECIMATE_METHOD_FAST, counted = target.vertices + target.faces > 0;
     bool balanced = counted && (method == BAT_MESH_DECIMATE_METHOD_BALANCED || method == BAT_MESH_DECIMATE_METHOD_AUTO);
-    all->memoryless = method != BAT_MESH_DECIMATE_METHOD_QUADRIC && !fast && !balanced;
-    if (fast || balanced)
+    size_t times = fast ? SWEEP_TARGET_FAST : SWEEP_TARGET_BALANCED;
+    const decimation_target until = {times * target.vertices + SWEEP_MIN_LEFT, times * target.faces + SWEEP_MIN_LEFT};
+    all->sweeping = (fast || balanced) && !has_reached(all, until);
+    all->memoryless = method != BAT_MESH_DECIMATE_METHOD_QUADRIC && !all->sweeping;
+    if (!all->memoryless)
+        error_vertices_set(&all->mesh, all->options->boundary_weight, all->vertices);
+    if (all->sweeping)
     {
-        memset(all->errors, 0, all->mesh.edge_count * sizeof *all->errors);
-        status = sweep(all, fast ? SWEEP_TARGET_FAST : SWEEP_TARGET_BALANCED, error);
+        compute_errors(all);
+        status = sweep(all, until, error);
         all->memoryless = true;
     }
-    if (status != BAT_OK)
+    all->sweeping = fast && counted && all->options->candidates == 0;
+    if (all->sweeping && status == BAT_OK)
+    {
+        compute_errors(all);
+        status = sweep(all, target, error);
+    }
+    all->sweeping = false;
+    if (status != BAT_OK || has_reached(all, target))
         return status;
     compute_errors(all);
     return run_in_order(all, error);
@@ -562,7 +596,7 @@ static const bat_choice METHODS[] = {
      .summary = "squared volumes to the present faces, at preserved volume (Lindstrom and Turk)"},
     {.name = "fast",
      .value = BAT_MESH_DECIMATE_METHOD_FAST,
-     .summary = "quadric errors in sweeps to three times the target, then memoryless errors"},
+     .summary = "quadric errors in sweeps to six times the target, then memoryless errors"},
     {.name = "even",
      .value = BAT_MESH_DECIMATE_METHOD_EVEN,
      .summary = "memoryless errors twice, the second time within three fifths of the greatest distance"},
@@ -772,15 +806,13 @@ static bat_status run_even(const bat_mesh *fine, const bat_mesh_decimate_options
         reached = status == BAT_OK && even.face_count <= coarse->face_count;
         if (reached)
         {
-            bat_mesh other = *coarse;
+            drop(coarse, map);
             *coarse = even;
-            even = other;
-            bat_mesh_map *other_map = map != NULL ? *map : NULL;
             if (map != NULL)
                 *map = even_map;
-            even_map = other_map;
         }
-        drop(&even, &even_map);
+        else
+            drop(&even, &even_map);
     }
     bat_mesh_connectivity_free(&topology);
     if (status != BAT_OK)
