@@ -10,7 +10,6 @@
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
