@@ -156,28 +156,47 @@ def space_of(space: Space | str | None, columns: int) -> Space:
     return space
 
 
+def _refuse(bad: Any, rows: Floats, name: str, fault: str) -> None:
+    """Refuse the first row that is bad."""
+    if bad.any():
+        index = int(np.flatnonzero(bad)[0])
+        error = InvalidPoint(f"{name}: point {index}, ({', '.join(f'{number:.10g}' for number in rows[index])}), {fault}")
+        error.status, error.index = "invalid point", index
+        raise error
+
+
 def from_lonlat(degrees: Rows) -> Floats:
     """Points of the sphere, unit vectors, from longitudes and latitudes in degrees.
+
+    Raises :class:`InvalidPoint` for a latitude outside -90 to 90 degrees and for numbers that are not finite.
 
     Examples
     --------
     >>> batten.from_lonlat([[90.0, 0.0]]).round(12)
     array([[0., 1., 0.]])
     """
-    given = np.radians(array(degrees, "degrees", 2))
+    given = array(degrees, "degrees", 2)
+    _refuse(~np.isfinite(given).all(axis=1), given, "degrees", "is not finite")
+    _refuse(np.abs(given[:, 1]) > 90, given, "degrees", "has a latitude outside -90 to 90 degrees; longitudes come first")
+    given = np.radians(given)
     cos = np.cos(given[:, 1])
     return np.stack([cos * np.cos(given[:, 0]), cos * np.sin(given[:, 0]), np.sin(given[:, 1])], axis=1)
 
 
 def to_lonlat(points: Rows) -> Floats:
-    """Longitudes and latitudes in degrees of points of the sphere.
+    """Longitudes and latitudes in degrees of points of the sphere; other vectors have those of their directions.
+
+    Raises :class:`InvalidPoint` for the zero vector and for numbers that are not finite.
 
     Examples
     --------
     >>> batten.to_lonlat([[0.0, 1.0, 0.0]])
     array([[90.,  0.]])
     """
-    x, y, z = array(points, "points", 3).T
+    given = array(points, "points", 3)
+    _refuse(~np.isfinite(given).all(axis=1), given, "points", "is not finite")
+    _refuse(~given.any(axis=1), given, "points", "is zero, which has no direction")
+    x, y, z = given.T
     degrees: Floats = np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
     return degrees
 

@@ -52,6 +52,20 @@ def test_degrees(random):
     np.testing.assert_allclose(batten.to_lonlat(batten.from_lonlat(degrees)), degrees, atol=1e-12)
 
 
+@pytest.mark.parametrize("degrees", [[50, 170], [10, 91], [10, -90.001], [0, np.nan], [np.inf, 0]])
+def test_degrees_off_the_sphere_are_refused(degrees):
+    with pytest.raises(batten.InvalidPoint, match="degrees: point 1, ") as caught:
+        batten.from_lonlat([[0, 90], degrees, [0, 100]])
+    assert (caught.value.index, caught.value.status) == (1, "invalid point")
+
+
+@pytest.mark.parametrize("vector", [[0, 0, 0], [0, np.nan, 1], [np.inf, 0, 0]])
+def test_vectors_without_a_direction_are_refused(vector):
+    with pytest.raises(batten.InvalidPoint, match="points: point 1, ") as caught:
+        batten.to_lonlat([[0, 0, 1], vector])
+    assert caught.value.index == 1
+
+
 def test_channels_and_corners(circle):
     fine = batten.refine(circle, scheme="four-point", channels=np.arange(12.0)[:, None], corners=np.arange(12) == 5, levels=2)
     np.testing.assert_allclose(fine.channels[::4, 0], np.arange(12))
