@@ -28,7 +28,6 @@ typedef struct mesh_job
     bat_mesh_refine_options refine;
     bat_mesh_scheme beside; ///< where has_beside
     bool has_beside;
-    double gigabytes;
     bat_mesh_model *model;           ///< of --model; null for none
     size_t boundary_edges, fallback; ///< boundary edges of the given mesh
     double *limit_normals;           ///< of the limit surface; null for none
@@ -177,8 +176,6 @@ static const option_spec REFINE_OPTIONS[] = {
      CHOICE(mesh_job, refine.rules.creasing, bat_mesh_creasing_family)},
     {"texture", "RULE", METHOD, 0, "the same, what stays linear: {}; default auto, as the file says, else all",
      CHOICE(mesh_job, refine.rules.linear, bat_mesh_linear_family)},
-    {"max-memory", "GB", CALL, 0, "refuse refinements that need more memory; default: what the machine has available",
-     POSITIVE(mesh_job, gigabytes)},
     {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw the mesh before and after, side by side (.png, .svg or .pdf)",
      NO_FIELD},
     {"beside", "NAME", PICTURE, 0, "draw also what this scheme makes of the mesh",
@@ -226,9 +223,7 @@ static bool check_refinement(void *of)
     job->refine.threads = job->call.threads;
     if (job->refine.scheme == BAT_MESH_SCHEME_AUTO && argument_first(given, OF_LEARNED) != NULL)
         job->refine.scheme = BAT_MESH_SCHEME_LEARNED;
-    if (job->gigabytes > 1e9)
-        return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");
-    job->refine.max_memory = (size_t)(1e9 * job->gigabytes);
+    job->refine.max_memory = (size_t)fmin(1e6 * job->call.max_memory, 1e18);
     job->read.polygons = job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
     return usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, report_error())) &&
            check_schemes(job) && check_files(job);
