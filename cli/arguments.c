@@ -152,6 +152,8 @@ void argument_wording(const arguments *given, const bat_error *error, char text[
     bool typed = option != NULL && argument(given, option->name) != NULL;
     int used = snprintf(text, WORDING_SIZE, "%s%s%s", typed ? "--" : "", typed ? option->name : "",
                         error->text + (typed ? strlen(error->option) : 0));
+    if (error->status == BAT_NO_MEMORY && argument(given, "max-memory") != NULL)
+        (void)snprintf(text + used, WORDING_SIZE - (size_t)used, "; use a larger --max-memory");
     if (remedy == NULL || (remedy->value == NULL && argument(given, remedy->name) != NULL))
         return;
     // A value in small letters is the only one.

@@ -384,7 +384,7 @@ static int make(void *of)
 {
     measure_job *job = of;
     if (job->failure.status != BAT_OK)
-        return report_failure(NULL, &job->failure);
+        return report_bad_input(job->call.given, NULL, &job->failure);
     if (job->of_meshes)
         return measure_meshes(job);
     for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)

@@ -31,6 +31,8 @@ bat_status(error_set)(bat_error *error, bat_status status, size_t index, size_t 
 
 bat_status(error_memory)(bat_error *error, size_t size)
 {
+    if (size == 0)
+        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory");
     return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory (%zu bytes wanted)", size);
 }
 

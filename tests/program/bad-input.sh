@@ -141,6 +141,11 @@ refused 1 'short\.in\.glb: the file has 20 bytes, but its header tells 255' mesh
 # Sanitizers reserve more memory than any limit.
 if [ -z "${BATTEN_SANITIZED:-}" ]; then
     refused 1 'one\.in\.obj: .*more than the 1 GB allowed; --levels [0-9]+ fits' mesh one.in.obj --levels 15 --max-memory 1000 -o out.csv --to obj
+    printf 'x,y\n0,0\n1,1\n2,0\n' > long.in.csv
+    for limit in 5 10 30; do
+        refused 1 'long\.in\.csv: out of memory( \([1-9][0-9]* bytes wanted\))?; use a larger --max-memory$' \
+            curve long.in.csv --levels 20 --max-memory $limit -o out.csv
+    done
     [ "$("$batten" mesh --help all | grep -c -e --max-memory)" -eq 1 ] || fail "mesh has two options --max-memory"
 fi
 # Keyframes.
