@@ -373,12 +373,92 @@ static void times_are_read_and_written(void **state)
     }
 }
 
+/// The words for what each format cannot hold; null for nothing.
+typedef struct loss
+{
+    bat_curve_format format;
+    const char *words;
+} loss;
+
+static void assert_losses(const char *text, bat_curve_format given, const char *space, const loss *losses, size_t count)
+{
+    bat_curve_set set = must_read(text, given, space);
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_curve_write_options options = bat_curve_write_defaults();
+        bat_curve_write_report report;
+        char *written;
+        size_t size;
+        options.format = losses[i].format;
+        options.report = &report;
+        assert_int_equal(bat_curve_write_memory(&set, &options, &written, &size, NULL), BAT_OK);
+        free(written);
+        if (losses[i].words == NULL)
+            assert_null(report.lost);
+        else
+            assert_string_equal(report.lost, losses[i].words);
+    }
+    bat_curve_set_free(&set);
+}
+
+#define LOSSES(...) (const loss[]){__VA_ARGS__}, sizeof((const loss[]){__VA_ARGS__}) / sizeof(loss)
+#define LINE "\"geometry\":{\"type\":\"LineString\",\"coordinates\":"
+#define FEATURES(...) "{\"type\":\"FeatureCollection\",\"features\":[" __VA_ARGS__ "]}"
+#define PLAIN "{\"type\":\"Feature\",\"properties\":{}," LINE "[[0,0],[1,1],[2,0]]}}"
+#define NAMED "{\"type\":\"Feature\",\"id\":7,\"properties\":{\"name\":\"A\"}," LINE "[[0,0],[1,1],[2,0]]}}"
+#define PLACE "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Point\",\"coordinates\":[5,5]}}"
+#define DEEP "{\"type\":\"Feature\",\"properties\":{}," LINE "[[0,0,1,5],[1,1,2,6],[2,0,3,7]]}}"
+
+static void what_of_features_a_format_cannot_hold_is_told(void **state)
+{
+    (void)state;
+    static const bat_curve_format geojson = BAT_CURVE_FORMAT_GEOJSON;
+    assert_losses(FEATURES(NAMED "," PLACE), geojson, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_CSV, "ids, properties, points and other features"},
+                         {BAT_CURVE_FORMAT_OBJ, "ids, properties, points and other features"},
+                         {BAT_CURVE_FORMAT_WKT, "ids, properties"}, {BAT_CURVE_FORMAT_GEOJSON, NULL},
+                         {BAT_CURVE_FORMAT_GEOJSON_LINES, NULL}, {BAT_CURVE_FORMAT_TOPOJSON, NULL},
+                         {BAT_CURVE_FORMAT_WKT_CSV, NULL}, {BAT_CURVE_FORMAT_GPX, NULL}));
+    assert_losses(FEATURES(PLAIN "," PLACE), geojson, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_CSV, "points and other features"}, {BAT_CURVE_FORMAT_WKT, NULL}));
+    assert_losses("{\"type\":\"GeometryCollection\",\"geometries\":[{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,1]]},"
+                  "{\"type\":\"Point\",\"coordinates\":[5,5]}]}",
+                  geojson, NULL, LOSSES({BAT_CURVE_FORMAT_CSV, "points and other features"}, {BAT_CURVE_FORMAT_WKT, NULL}));
+    assert_losses(FEATURES(PLAIN), geojson, NULL, LOSSES({BAT_CURVE_FORMAT_CSV, NULL}, {BAT_CURVE_FORMAT_OBJ, NULL}));
+    assert_losses(FEATURES(DEEP), geojson, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_CSV, NULL}, {BAT_CURVE_FORMAT_GEOJSON, NULL}, {BAT_CURVE_FORMAT_WKT, NULL},
+                         {BAT_CURVE_FORMAT_GPX, "measures"}, {BAT_CURVE_FORMAT_OBJ, "altitudes, measures"}));
+}
+
+static void what_of_a_table_a_format_cannot_hold_is_told(void **state)
+{
+    (void)state;
+    static const char texts[] = "columns of texts", numbers[] = "times and other numbers of points";
+    bat_curve_set set = must_read("x,y,name\n0,0,A\n1,1,B\n2,0,C\n", CSV, NULL);
+    assert_non_null(strstr(bat_curve_set_note(&set, 0), "where it is written, new points take that of the point before"));
+    bat_curve_set_free(&set);
+    assert_losses("x,y,name\n0,0,A\n1,1,B\n2,0,C\n", CSV, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_CSV, NULL}, {BAT_CURVE_FORMAT_WKT, texts}, {BAT_CURVE_FORMAT_OBJ, texts}));
+    assert_losses("lon,lat,alt,name\n0,0,1,A\n1,1,2,B\n2,0,3,C\n", CSV, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_CSV, NULL}, {BAT_CURVE_FORMAT_GEOJSON, texts}, {BAT_CURVE_FORMAT_GPX, NULL},
+                         {BAT_CURVE_FORMAT_TOPOJSON, texts}, {BAT_CURVE_FORMAT_WKT_CSV, texts},
+                         {BAT_CURVE_FORMAT_OBJ, "columns of texts, times and other numbers of points"}));
+    assert_losses("lon,lat,speed\n0,0,1\n1,1,2\n2,0,3\n", CSV, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_CSV, NULL}, {BAT_CURVE_FORMAT_GEOJSON, numbers}, {BAT_CURVE_FORMAT_GPX, NULL}));
+    assert_losses("lon,lat\n0,0\n1,1\n2,0\n", CSV, NULL,
+                  LOSSES({BAT_CURVE_FORMAT_GEOJSON, NULL}, {BAT_CURVE_FORMAT_OBJ, NULL}));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(names_tell_the_coordinates), cmocka_unit_test(columns_are_chosen),
-        cmocka_unit_test(a_column_groups_rows),       cmocka_unit_test(carried_columns_go_along),
-        cmocka_unit_test(texts_stay_in_order),        cmocka_unit_test(gaps_and_numbers_are_told_apart),
-        cmocka_unit_test(times_are_read_and_written)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(names_tell_the_coordinates),
+                                       cmocka_unit_test(columns_are_chosen),
+                                       cmocka_unit_test(a_column_groups_rows),
+                                       cmocka_unit_test(carried_columns_go_along),
+                                       cmocka_unit_test(texts_stay_in_order),
+                                       cmocka_unit_test(gaps_and_numbers_are_told_apart),
+                                       cmocka_unit_test(times_are_read_and_written),
+                                       cmocka_unit_test(what_of_features_a_format_cannot_hold_is_told),
+                                       cmocka_unit_test(what_of_a_table_a_format_cannot_hold_is_told)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

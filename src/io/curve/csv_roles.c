@@ -702,12 +702,15 @@ bool csv_note_columns(csv_reader *reader)
         good = attributes_note(reader->attributes, "times in %s%s; rates and velocities count seconds",
                                exact_time_unit(decimals), reader->time_by_size ? ", by their size" : "");
     if (good && list_columns(reader, CSV_ID, text, sizeof text))
-        good = attributes_note(reader->attributes,
-                               "column %s holds running numbers and is no coordinate; it is numbered anew", text);
+        good = attributes_note(
+            reader->attributes,
+            "column %s holds running numbers and is no coordinate; it is numbered anew where it is written", text);
     if (good && list_columns(reader, CSV_TEXT, text, sizeof text))
-        good = attributes_note(reader->attributes, "text in column %s: new points take that of the point before", text);
+        good = attributes_note(reader->attributes,
+                               "text in column %s: where it is written, new points take that of the point before", text);
     if (good && list_columns(reader, CSV_TIME, text, sizeof text))
-        good = attributes_note(reader->attributes, "times in column %s: new points get times between", text);
+        good = attributes_note(reader->attributes,
+                               "times in column %s: where they are written, new points get times between", text);
     for (size_t i = 0; good && i < reader->column_count && !reader->strict; i++)
     {
         const column_state *state = &reader->columns[i];

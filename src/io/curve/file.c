@@ -15,7 +15,23 @@ typedef struct curve_format
     curve_reader *read;
     curve_writer *write;
     const char *drivers; ///< without a reader: those of GDAL, as gis_read() takes them; null for all
+    unsigned holds;      ///< what a file of the format can hold
 } curve_format;
+
+/// What a format can hold beside lines and polygons.
+enum
+{
+    HOLDS_IDS = 1,
+    HOLDS_PROPERTIES = 2,
+    HOLDS_OTHERS = 4, ///< points, and features without lines and polygons
+    HOLDS_ALTITUDES = 8,
+    HOLDS_MEASURES = 16,
+    HOLDS_FEATURES = HOLDS_IDS | HOLDS_PROPERTIES | HOLDS_OTHERS | HOLDS_ALTITUDES,
+    HOLDS_TEXTS = 32, ///< of points
+    HOLDS_NUMBERS = 64,
+    HOLDS_BESIDE = 128, ///< measures, beside altitudes alone
+    HOLDS_TRACKS = 256  ///< columns, beside longitude and latitude alone
+};
 
 /// A row of a format that is read and written, and how.
 #define FORMAT_ROW(name, value, endings, summary, ...)                                                                      \
@@ -27,42 +43,48 @@ static const curve_format FORMATS[] = {
     {.choice = CHOICE_OF_USE(UNLISTED, "auto", "by the file's ending", BAT_CURVE_FORMAT_AUTO)},
     FORMAT_ROW("csv", BAT_CURVE_FORMAT_CSV, ".csv .tsv .txt",
                "curves: a row of numbers for each point, with or without names of columns", .read = csv_read,
-               .write = csv_write),
+               .write = csv_write, .holds = HOLDS_ALTITUDES | HOLDS_MEASURES | HOLDS_TEXTS | HOLDS_NUMBERS),
     FORMAT_ROW("geojson", BAT_CURVE_FORMAT_GEOJSON, ".geojson .json",
                "curves: lines and polygons of longitude and latitude in degrees, with their properties",
-               .read = geojson_read, .write = geojson_write),
+               .read = geojson_read, .write = geojson_write, .holds = HOLDS_FEATURES | HOLDS_BESIDE),
     FORMAT_ROW("geojsonl", BAT_CURVE_FORMAT_GEOJSON_LINES, ".geojsonl .ndjson .jsonl",
-               "curves: GeoJSON, a feature on each line", .read = geojson_sequence_read, .write = geojson_write),
+               "curves: GeoJSON, a feature on each line", .read = geojson_sequence_read, .write = geojson_write,
+               .holds = HOLDS_FEATURES | HOLDS_BESIDE),
     FORMAT_ROW("geojsonseq", BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, ".geojsons",
                "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
-               .read = geojson_sequence_read, .write = geojson_write),
+               .read = geojson_sequence_read, .write = geojson_write, .holds = HOLDS_FEATURES | HOLDS_BESIDE),
     FORMAT_ROW("obj", BAT_CURVE_FORMAT_OBJ, ".obj", "curves: line elements", .read = obj_read, .write = obj_write),
     FORMAT_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx",
                "curves: tracks and routes of GPX, with times and other values of points", .read = gpx_read,
-               .write = gpx_write),
+               .write = gpx_write, .holds = HOLDS_FEATURES | HOLDS_TRACKS),
     FORMAT_ROW("wkt", BAT_CURVE_FORMAT_WKT, ".wkt .ewkt", "curves: well-known text, a geometry after the other",
-               .read = wkt_read, .write = wkt_write),
+               .read = wkt_read, .write = wkt_write, .holds = HOLDS_OTHERS | HOLDS_ALTITUDES | HOLDS_MEASURES),
     FORMAT_ROW("wkt-csv", BAT_CURVE_FORMAT_WKT_CSV, NULL,
                "curves: CSV with a column of well-known text or binary, and attributes", .read = wkt_table_read,
-               .write = wkt_table_write),
+               .write = wkt_table_write, .holds = HOLDS_FEATURES | HOLDS_MEASURES),
     FORMAT_ROW("topojson", BAT_CURVE_FORMAT_TOPOJSON, ".topojson", "curves: TopoJSON, shared borders stored once",
-               .read = topojson_read, .write = topojson_write),
+               .read = topojson_read, .write = topojson_write, .holds = HOLDS_FEATURES | HOLDS_BESIDE),
     FORMAT_ROW("tum", BAT_CURVE_FORMAT_TUM, ".tum", "motions: poses in time, timestamp tx ty tz qx qy qz qw",
-               .read = csv_read, .write = trajectory_write),
+               .read = csv_read, .write = trajectory_write, .holds = HOLDS_NUMBERS),
     FORMAT_ROW("euroc", BAT_CURVE_FORMAT_EUROC, NULL,
                "motions: poses in time, #timestamp [ns], position, quaternion w x y z", .read = trajectory_read,
-               .write = trajectory_write),
+               .write = trajectory_write, .holds = HOLDS_NUMBERS),
     FORMAT_ROW("kitti", BAT_CURVE_FORMAT_KITTI, NULL, "motions: poses without times, 12 numbers of a 3x4 matrix",
                .read = trajectory_read, .write = trajectory_write),
     FORMAT_ROW("bvh", BAT_CURVE_FORMAT_BVH, ".bvh", "motions: joints of motion capture", .read = trajectory_read),
     // By GDAL.
-    FORMAT_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL", .drivers = "GPKG"),
-    FORMAT_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL", .drivers = "ESRI Shapefile"),
-    FORMAT_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL", .drivers = "LIBKML,KML"),
-    FORMAT_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL", .drivers = "FlatGeobuf"),
-    FORMAT_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL", .drivers = "DXF"),
+    FORMAT_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL", .drivers = "GPKG",
+               .holds = HOLDS_FEATURES | HOLDS_MEASURES),
+    FORMAT_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL", .drivers = "ESRI Shapefile",
+               .holds = HOLDS_FEATURES | HOLDS_MEASURES),
+    FORMAT_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL", .drivers = "LIBKML,KML",
+               .holds = HOLDS_FEATURES),
+    FORMAT_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL", .drivers = "FlatGeobuf",
+               .holds = HOLDS_FEATURES | HOLDS_MEASURES),
+    FORMAT_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL", .drivers = "DXF",
+               .holds = HOLDS_OTHERS | HOLDS_ALTITUDES),
     FORMAT_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed",
-               .drivers = NULL),
+               .drivers = NULL, .holds = HOLDS_FEATURES | HOLDS_MEASURES),
 };
 
 /// The row of a path that only GDAL opens: of the ending before ".gz", else that of GDAL.
@@ -318,20 +340,63 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
     return *format == BAT_CURVE_FORMAT_AUTO ? choice_unnamed_output(&bat_curve_format_family, error) : BAT_OK;
 }
 
-/// What of a file another format cannot hold, in words; null for nothing. GeoJSON has no measures without altitudes.
-static const char *lost_of(const bat_curve_set *set, bat_curve_format format)
+/// What a document has, in the bits of what formats hold, but for its altitudes and measures.
+static unsigned features_have(const geojson_document *document)
 {
+    unsigned has = 0;
+    for (size_t i = 0; i < document->feature_count; i++)
+    {
+        const geojson_feature *feature = &document->features[i];
+        const json_t *geometry = json_object_get(feature->tree, "geometry");
+        const json_t *members = json_object_get(geometry != NULL ? geometry : feature->tree, "geometries");
+        has |= json_object_get(feature->tree, "id") != NULL ? HOLDS_IDS : 0U;
+        has |= json_object_size(json_object_get(feature->tree, "properties")) > 0 ? HOLDS_PROPERTIES : 0U;
+        has |= feature->curve_count == 0 || json_array_size(members) > feature->geometry_count ? HOLDS_OTHERS : 0U;
+    }
+    return has;
+}
+
+/// The words for all choices of ids, properties and other features.
+#define LOST(first, comma)                                                                                                  \
+    first, first comma "ids", first comma "properties", first comma "ids, properties", first comma OTHERS,                  \
+        first comma "ids, " OTHERS, first comma "properties, " OTHERS, first comma "ids, properties, " OTHERS
+#define OTHERS "points and other features"
+
+/// What of a file another format cannot hold, in words; null for nothing.
+static const char *lost_of(const bat_curve_set *set, const curve_format *row)
+{
+    static const char *const of_features[] = {LOST("", ""), LOST("altitudes", ", "), LOST("measures", ", "),
+                                              LOST("altitudes, measures", ", ")};
+    static const char *const of_columns[] = {NULL, "columns of texts", "times and other numbers of points",
+                                             "columns of texts, times and other numbers of points"};
     const bat_curve_attributes *attributes = set->attributes;
-    if (attributes == NULL || !attributes_are_geojson(attributes) || attributes->format == BAT_CURVE_FORMAT_GPX)
-        return gpx_lost(set, format);
-    const geojson_document *document = attributes->remainder.content;
-    bool geojson = format == BAT_CURVE_FORMAT_TOPOJSON || format == BAT_CURVE_FORMAT_GEOJSON ||
-                   format == BAT_CURVE_FORMAT_GEOJSON_LINES || format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
-    bool flat = format == BAT_CURVE_FORMAT_GPX || format == BAT_CURVE_FORMAT_KML || format == BAT_CURVE_FORMAT_DXF;
-    bool both = false;
+    const char *of_gpx = gpx_lost(set, (bat_curve_format)row->choice.value);
+    if (attributes == NULL || of_gpx != NULL)
+        return of_gpx;
+    const csv_columns *csv = attributes->csv;
+    const geojson_document *document = attributes_are_geojson(attributes) ? attributes->remainder.content : NULL;
+    size_t most = 0, places = csv != NULL && csv->has_places ? CSV_PLACE_CHANNELS : 0;
+    unsigned has = 0, holds = row->holds;
+    if (attributes->degrees && (holds & HOLDS_TRACKS) != 0)
+        holds |= HOLDS_TEXTS | HOLDS_NUMBERS;
     for (size_t i = 0; i < set->count; i++)
-        both = both || set->curves[i].channel_count > 1;
-    return (document->measures && (geojson || flat)) || (both && flat) ? "measures" : NULL;
+        most = set->curves[i].channel_count > most + places ? set->curves[i].channel_count - places : most;
+    if (document != NULL)
+    {
+        has = features_have(document) | (document->measures || most > 1 ? HOLDS_MEASURES : 0U);
+        has |= most > (document->measures ? 1 : 0) ? HOLDS_ALTITUDES : 0U;
+        holds |= !document->measures && (holds & HOLDS_BESIDE) != 0 ? HOLDS_MEASURES : 0U;
+        return (has & ~holds) != 0 ? of_features[has & ~holds] : NULL;
+    }
+    bool altitude = csv != NULL && csv->altitude < most && (holds & HOLDS_ALTITUDES) != 0;
+    has = most > altitude ? HOLDS_NUMBERS : 0U;
+    for (size_t i = 0; csv != NULL && csv->kinds != NULL && i < csv->count; i++)
+    {
+        csv_kind kind = (csv_kind)csv->kinds[i];
+        has |= kind == CSV_TEXT || kind == CSV_GROUP ? HOLDS_TEXTS : 0U;
+        has |= kind == CSV_TIME || kind == CSV_GAPS ? HOLDS_NUMBERS : 0U;
+    }
+    return of_columns[(has & ~holds) / HOLDS_TEXTS];
 }
 
 /// Write a set to a file, or to `memory` where the path is null or one of a compressed file.
@@ -354,9 +419,9 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
         status = curve_format_choose(path, set->attributes, &chosen, &chosen.format, error);
     if (status != BAT_OK)
         return status;
-    if (chosen.report != NULL)
-        chosen.report->lost = lost_of(set, chosen.format);
     const curve_format *row = row_of(chosen.format);
+    if (chosen.report != NULL)
+        chosen.report->lost = lost_of(set, row);
     if (row->write == NULL && row->read != NULL)
         return ERROR_UNSUPPORTED(error, 0, "%s is read only", row->choice.name);
     if (row->write == NULL && path == NULL)
