@@ -228,6 +228,16 @@ static void carried_columns_go_along(void **state)
          "4,0,2024-01-01 00:00:02.50+0130\n"},
         {"id;x;y;n;w\n7;0;0;\"a;b\";1,5\n8;2;0;q\"r;2,5\n9;4;0;s,t;NA\n", "four-point",
          "id,x,y,n,w\n7,0,0,\"a;b\",1.5\n8,1,0,\"a;b\",2\n9,2,0,\"q\"\"r\",2.5\n10,3,0,\"q\"\"r\",\n11,4,0,\"s,t\",NA\n"},
+        // Numbers of a time do not run backwards, and keep their digits.
+        {"time,x,y\n0,0,0\n1.0,2,0\n2,4,0\n30,6,0\n31,8,0\n", "four-point",
+         "time,x,y\n0,0,0\n0.5,1,0\n1.0,2,0\n1.5,3,0\n2,4,0\n16,5,0\n30,6,0\n30.5,7,0\n31,8,0\n"},
+        {"x,y,timestamp_ns,t_ms\n0,0,1700000000123456789,5\n2,0,1700000001123456791,6\n4,0,1700000002123456793,8\n",
+         "four-point",
+         "x,y,timestamp_ns,t_ms\n0,0,1700000000123456789,5\n1,0,1700000000623456790,5.5\n2,0,1700000001123456791,6\n"
+         "3,0,1700000001623456792,7\n4,0,1700000002123456793,8\n"},
+        {"# closed\nx,y,t,name\n0,0,1700000000.000000001,a\n1,0,1700000001,b\n1,1,1700000004,c\n", "four-point",
+         "x,y,t,name\n# closed\n0,0,1700000000.000000001,a\n0.4375,-0.125,1700000000.500000001,a\n1,0,1700000001,b\n"
+         "1.125,0.5625,1700000002.5,b\n1,1,1700000004,c\n0.4375,0.5625,1700000002,c\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {
@@ -242,6 +252,34 @@ static void carried_columns_go_along(void **state)
         bat_curve_set_free(&back);
         bat_curve_set_free(&set);
     }
+}
+
+/// Times in numbers are one channel; those that the caller changes are written. Edges of a tolerance have them between, too.
+static void times_in_numbers_are_a_channel(void **state)
+{
+    (void)state;
+    static const char text[] = "time,x,y\n0,0,0\n1,1,0\n2,2,1\n30,3,3\n31,3,5\n32,2,6\n";
+    bat_curve_set set = must_read(text, CSV, NULL), fine = {0}, back;
+    assert_note(&set, "times in column 'time'");
+    assert_int_equal(set.curves[0].channel_count, 1);
+    bat_curve_refine_options how = bat_curve_refine_defaults();
+    how.relative_tolerance = 1e-3;
+    bat_curve *curve = calloc(1, sizeof *curve);
+    assert_int_equal(bat_curves_refine(set.curves, 1, &how, curve, NULL), BAT_OK);
+    assert_int_equal(bat_curve_set_like(&set, curve, &fine, NULL), BAT_OK);
+    char *written = must_write(&fine, CSV);
+    back = must_read(written, CSV, NULL); // which refuses times that fall
+    assert_true(back.curves[0].count > 12);
+    assert_true(back.curves[0].channels[back.curves[0].count - 1] == 32);
+    free(written);
+    bat_curve_set_free(&back);
+    bat_curve_set_free(&fine);
+    for (size_t i = 0; i < set.curves[0].count; i++)
+        set.curves[0].channels[i] += 100;
+    written = must_write(&set, CSV);
+    assert_string_equal(written, "time,x,y\n100,0,0\n101,1,0\n102,2,1\n130,3,3\n131,3,5\n132,2,6\n");
+    free(written);
+    bat_curve_set_free(&set);
 }
 
 /// Each text begins a run of equal rows, in the order of the file, for all kinds of schemes, open, closed and with corners.
@@ -455,6 +493,7 @@ int main(void)
                                        cmocka_unit_test(columns_are_chosen),
                                        cmocka_unit_test(a_column_groups_rows),
                                        cmocka_unit_test(carried_columns_go_along),
+                                       cmocka_unit_test(times_in_numbers_are_a_channel),
                                        cmocka_unit_test(texts_stay_in_order),
                                        cmocka_unit_test(gaps_and_numbers_are_told_apart),
                                        cmocka_unit_test(times_are_read_and_written),

@@ -22,7 +22,8 @@ typedef enum csv_kind
     CSV_TEXT,   ///< texts; new points take that of the point before
     CSV_TIME,   ///< ISO 8601 times; new points get times between
     CSV_GAPS,   ///< numbers and empty cells; new points get numbers between where both sides have one
-    CSV_EMPTY   ///< nothing
+    CSV_EMPTY,  ///< nothing
+    CSV_CLOCK   ///< times in numbers, a channel; given points keep their text, new ones of halved edges get times between
 } csv_kind;
 
 /// The cells of the columns that are neither coordinates nor channels nor running numbers.
@@ -48,7 +49,7 @@ typedef struct csv_columns
                     ///< their order
     unsigned char *kinds; ///< a csv_kind for each column; null: all are numbers
     size_t count;
-    size_t other_count;     ///< columns that are no numbers
+    size_t other_count;     ///< columns that are neither coordinates nor channels
     csv_cells cells;        ///< all zero without such columns
     bool has_places;        ///< each point has CSV_PLACE_CHANNELS
     int64_t first_id;       ///< of CSV_ID

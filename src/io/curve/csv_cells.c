@@ -8,6 +8,8 @@
 static const double TURN = 6.283185307179586476925286766559;
 /// A place this near to a row is the row.
 static const double ROUNDING = 1e-9;
+/// Below both, a double has more digits between two numbers than nine decimals.
+static const int64_t FINE_STEP = 1000000, DOUBLE_UNITS = 1000000000000000;
 
 bool cells_add(cell_builder *cells, csv_field cell)
 {
@@ -190,6 +192,21 @@ static void write_between(const char *from, const char *to, double share, text_b
 {
     double a, b;
     bool comma;
+    int64_t first, last, step;
+    csv_field start = csv_text(from), end = csv_text(to);
+    for (int lost = 0; lost <= EXACT_TIME_DECIMALS; lost += 3) // of nine decimals, where the numbers are large
+    {
+        bool exact =
+            exact_time_read(start.begin, start.end, lost, &first) && exact_time_read(end.begin, end.end, lost, &last);
+        if (!exact || __builtin_sub_overflow(last, first, &step))
+            continue;
+        if (llabs(step) < FINE_STEP && llabs(first) < DOUBLE_UNITS)
+            break;
+        char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+        if (out != NULL)
+            text_advance(text, number_write_fixed(out, first + llrint(share * (double)step), EXACT_TIME_DECIMALS - lost));
+        return;
+    }
     if (csv_read_number(csv_text(from), ',', &a, &comma) != NULL || csv_read_number(csv_text(to), ',', &b, &comma) != NULL)
         return;
     text_append_real(text, "", (1 - share) * a + share * b);
@@ -210,7 +227,7 @@ void cells_write(const csv_cells *cells, csv_kind kind, size_t column, size_t cu
     const char *cell = cell_at(cells, first + row, column), *next = cell_at(cells, first + (row + 1) % rows, column);
     if (kind == CSV_TIME && share > 0)
         write_time(cell, next, share, text);
-    else if (kind == CSV_GAPS && share > 0)
+    else if ((kind == CSV_GAPS || kind == CSV_CLOCK) && share > 0)
         write_between(cell, next, share, text);
     else
         cells_write_text(cell, false, text);

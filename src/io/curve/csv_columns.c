@@ -90,7 +90,7 @@ bool csv_columns_place(csv_columns *columns, const size_t *chosen, size_t count)
     for (size_t i = 0; i < count; i++)
         places[chosen[i]] = i;
     for (size_t i = 0, next = count; i < columns->count; i++)
-        if (places[i] == BAT_NO_INDEX && kind_of(columns, i) == CSV_NUMBER)
+        if (places[i] == BAT_NO_INDEX && (kind_of(columns, i) == CSV_NUMBER || kind_of(columns, i) == CSV_CLOCK))
             places[i] = next++;
     free(columns->places);
     columns->places = places;

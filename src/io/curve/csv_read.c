@@ -383,7 +383,7 @@ static bool cells_return(const csv_reader *reader)
         if (kind == CSV_NUMBER || kind == CSV_ID)
             continue;
         size_t first = cells->offsets[begin + cell], last = cells->offsets[cells->offset_count - cells->columns + cell];
-        if (kind != CSV_TIME && strcmp(cells->text.data + first, cells->text.data + last) != 0)
+        if (kind != CSV_TIME && kind != CSV_CLOCK && strcmp(cells->text.data + first, cells->text.data + last) != 0)
             return false;
         cell++;
     }

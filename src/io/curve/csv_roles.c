@@ -122,8 +122,12 @@ static csv_kind first_kind(const csv_reader *reader, size_t column)
     bool comma;
     if (csv_read_number(field, reader->separator, &value, &comma) == NULL)
     {
-        bool code = named && name_is_code(reader->attributes->csv->names[column]) && value == floor(value);
-        return code ? CSV_TEXT : CSV_NUMBER;
+        char **name = named ? &reader->attributes->csv->names[column] : NULL;
+        int decimals;
+        bool code = named && name_is_code(*name) && value == floor(value);
+        if (!named || code || reader->options->motion)
+            return code ? CSV_TEXT : CSV_NUMBER;
+        return column_find_time(&(column_names){name, 1}, &decimals) == 0 ? CSV_CLOCK : CSV_NUMBER;
     }
     if (is_iso_time(field))
         return csv_takes_dates(reader, column) ? CSV_NUMBER : CSV_TIME;
@@ -148,8 +152,16 @@ static bool begins_as_index(const csv_reader *reader)
 
 static void choose_first_kinds(csv_reader *reader)
 {
+    size_t numbers = 0;
     for (size_t i = 0; i < reader->column_count; i++)
+    {
         reader->columns[i].kind = i == reader->group ? CSV_GROUP : first_kind(reader, i);
+        numbers += reader->columns[i].kind == CSV_NUMBER ? 1 : 0;
+    }
+    char **names = reader->attributes->csv->names;
+    for (size_t i = 0; i < reader->column_count && names != NULL && numbers < 2; i++) // they may be coordinates
+        if (reader->columns[i].kind == CSV_CLOCK)
+            reader->columns[i].kind = CSV_NUMBER;
     if (reader->group != 0 && begins_as_index(reader))
         reader->columns[0].kind = CSV_ID;
 }
@@ -163,7 +175,7 @@ bool csv_change_kind(csv_reader *reader, size_t column)
         return false;
     bool time = is_iso_time(field) && !state->has_number;
     if (csv_is_missing(field))
-        kind = kind == CSV_NUMBER ? CSV_GAPS : kind == CSV_ID ? CSV_TEXT : kind;
+        kind = kind == CSV_NUMBER || kind == CSV_CLOCK ? CSV_GAPS : kind == CSV_ID ? CSV_TEXT : kind;
     else if (kind == CSV_GAPS && time)
         kind = CSV_TIME;
     else
@@ -242,7 +254,8 @@ static bool store_cell(csv_reader *reader, size_t column)
     char text[LONGEST];
     size_t size = (size_t)(field.end - field.begin);
     char *comma = NULL;
-    if (reader->columns[column].kind == CSV_GAPS && reader->separator != ',' && size < LONGEST)
+    csv_kind kind = reader->columns[column].kind;
+    if ((kind == CSV_GAPS || kind == CSV_CLOCK) && reader->separator != ',' && size < LONGEST)
     {
         memcpy(text, field.begin, size);
         comma = memchr(text, ',', size);
@@ -547,7 +560,7 @@ static void count_columns(csv_reader *reader)
     for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
     {
         csv_kind kind = (csv_kind)columns->kinds[i];
-        columns->other_count += kind != CSV_NUMBER ? 1 : 0;
+        columns->other_count += kind != CSV_NUMBER && kind != CSV_CLOCK ? 1 : 0;
         reader->cells.columns += kind != CSV_NUMBER && kind != CSV_ID ? 1 : 0;
         columns->has_places = columns->has_places || kind == CSV_TEXT || kind == CSV_TIME || kind == CSV_GAPS;
     }
@@ -708,9 +721,10 @@ bool csv_note_columns(csv_reader *reader)
     if (good && list_columns(reader, CSV_TEXT, text, sizeof text))
         good = attributes_note(reader->attributes,
                                "text in column %s: where it is written, new points take that of the point before", text);
-    if (good && list_columns(reader, CSV_TIME, text, sizeof text))
-        good = attributes_note(reader->attributes,
-                               "times in column %s: where they are written, new points get times between", text);
+    for (const csv_kind *kind = (const csv_kind[]){CSV_TIME, CSV_CLOCK, CSV_EMPTY}; good && *kind != CSV_EMPTY; kind++)
+        if (list_columns(reader, *kind, text, sizeof text))
+            good = attributes_note(reader->attributes,
+                                   "times in column %s: where they are written, new points get times between", text);
     for (size_t i = 0; good && i < reader->column_count && !reader->strict; i++)
     {
         const column_state *state = &reader->columns[i];

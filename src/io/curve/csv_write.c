@@ -24,6 +24,7 @@ typedef struct csv_layout
     int decimals;      ///< of degrees
     size_t corner;     ///< the column before which that of the corners stands, or BAT_NO_INDEX
     double *places;    ///< of all points between the rows of the input file; null where they are not needed
+    double *clocks;    ///< places for CSV_CLOCK, NaN in curves without the rows' times; null without such columns
     size_t time_place; ///< of the times among the numbers; BAT_NO_INDEX without
     int64_t origin;    ///< of the times
     int time_decimals; ///< of their unit
@@ -83,18 +84,74 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
     return BAT_OK;
 }
 
+/// Whether a point has the times of a row of the file, in all columns of CSV_CLOCK.
+static bool has_row_times(const csv_layout *layout, const double *channels, size_t row)
+{
+    const csv_columns *columns = layout->columns;
+    const size_t *cell = columns->cells.offsets + row * columns->cells.columns;
+    for (size_t j = 0; j < columns->count; j++)
+    {
+        csv_kind kind = (csv_kind)columns->kinds[j];
+        if (kind == CSV_NUMBER || kind == CSV_ID)
+            continue;
+        csv_field text = csv_text(columns->cells.text + *cell++);
+        double value = 0;
+        int64_t nanoseconds;
+        if (kind != CSV_CLOCK)
+            continue;
+        if (layout->origin != 0 && columns->places[j] == layout->time_place &&
+            exact_time_read(text.begin, text.end, 0, &nanoseconds))
+            value = exact_time_since(nanoseconds, layout->origin);
+        else if (number_read(text.begin, text.end, &value) != NULL)
+            return false;
+        if (value != channels[columns->places[j] - layout->coordinate_count])
+            return false;
+    }
+    return true;
+}
+
+/// The places of a curve's points by the times of the rows, between which edges are halved; NaN where it has not all rows.
+static void find_clocks(const csv_layout *layout, const bat_curve *curve, size_t index, double *places)
+{
+    const csv_cells *cells = &layout->columns->cells;
+    size_t first = index < cells->curves ? cells->first_rows[index] : 0, at = 0, step = 1;
+    size_t rows = index < cells->curves ? cells->first_rows[index + 1] - first : 0;
+    bool found = rows > 0 && curve->count > 0 && has_row_times(layout, curve->channels, first);
+    for (size_t row = 0; row < rows && found; row++, at += step)
+    {
+        bool last = row + 1 == rows;
+        size_t end = last && !curve->closed ? at + 1 : curve->count;
+        for (step = 1; at + step < end; step *= 2)
+            if (!last && has_row_times(layout, curve->channels + (at + step) * curve->channel_count, first + row + 1))
+                break;
+        found = at + step < curve->count || (last && at + step == curve->count);
+        for (size_t j = 0; j < step && found; j++)
+            places[at + j] = (double)row + (double)j / (double)step;
+    }
+    for (size_t i = 0; i < curve->count && (!found || at != curve->count); i++)
+        places[i] = NAN;
+}
+
 static bat_status find_places(const bat_curve_set *set, csv_layout *layout, bat_error *error)
 {
     size_t rows = 0;
-    if (layout->columns == NULL || !layout->columns->has_places)
+    const csv_columns *columns = layout->columns;
+    bool clocks = columns != NULL && columns->kinds != NULL && memchr(columns->kinds, CSV_CLOCK, columns->count) != NULL;
+    if (columns == NULL || (!columns->has_places && !clocks))
         return BAT_OK;
     for (size_t i = 0; i < set->count; i++)
         rows += set->curves[i].count;
-    layout->places = memory_array(rows, sizeof *layout->places);
-    if (layout->places == NULL)
+    layout->places = columns->has_places ? memory_array(rows, sizeof *layout->places) : NULL;
+    layout->clocks = clocks ? memory_array(rows, sizeof *layout->clocks) : NULL;
+    if ((columns->has_places && layout->places == NULL) || (clocks && layout->clocks == NULL))
         return error_memory(error, rows * sizeof *layout->places);
     for (size_t i = 0, row = 0; i < set->count; row += set->curves[i++].count)
-        cells_places(&layout->columns->cells, &set->curves[i], i, layout->places + row);
+    {
+        if (columns->has_places)
+            cells_places(&columns->cells, &set->curves[i], i, layout->places + row);
+        if (clocks)
+            find_clocks(layout, &set->curves[i], i, layout->clocks + row);
+    }
     return BAT_OK;
 }
 
@@ -252,14 +309,15 @@ static char *write_field(char *out, const csv_row *row, size_t column, size_t ce
     const csv_layout *layout = row->layout;
     const csv_columns *columns = layout->columns;
     csv_kind kind = columns != NULL && columns->kinds != NULL ? (csv_kind)columns->kinds[column] : CSV_NUMBER;
-    if (kind == CSV_NUMBER)
+    const double *places = kind == CSV_CLOCK ? layout->clocks : layout->places;
+    double place = places != NULL ? places[row->first + row->index] : 0;
+    if (kind == CSV_NUMBER || (kind == CSV_CLOCK && isnan(place)))
         return write_number(out, row, columns != NULL && columns->places != NULL ? columns->places[column] : column);
     if (kind == CSV_ID)
         return out + snprintf(out, NUMBER_TEXT_SIZE, "%" PRId64,
                               columns->first_id + (int64_t)(row->index + (columns->ids_begin_anew ? 0 : row->first)));
     text_advance(text, out);
-    cells_write(&columns->cells, kind, cell, row->curve,
-                layout->places != NULL ? layout->places[row->first + row->index] : 0, text);
+    cells_write(&columns->cells, kind, cell, row->curve, place, text);
     return text_reserve(text, (layout->column_count + 1) * (NUMBER_TEXT_SIZE + 1));
 }
 
@@ -337,6 +395,7 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
     if (status == BAT_OK)
         status = rows_write(set, sink, options->threads, format_rows, &layout, error);
     free(layout.places);
+    free(layout.clocks);
     csv_columns_free(&layout.made);
     return status;
 }

@@ -483,9 +483,10 @@ static void append_cells(gpx_writer *writer, const bat_curve *curve, size_t inde
         size_t number = csv->places != NULL ? csv->places[i] : i, of_cell = cell;
         cell += kind == CSV_NUMBER || kind == CSV_ID ? 0 : 1;
         value->size = 0;
-        if (kind == CSV_NUMBER && number >= 2 && number - 2 != csv->altitude)
+        bool channel = kind == CSV_NUMBER || kind == CSV_CLOCK;
+        if (channel && number >= 2 && number - 2 != csv->altitude)
             text_append_real(value, "", curve->channels[point * curve->channel_count + number - 2]);
-        else if (kind != CSV_NUMBER && kind != CSV_ID)
+        else if (!channel && kind != CSV_ID)
             cells_write(&csv->cells, kind, of_cell, index, place, value);
         text_append(value, "", 1);
         csv_field field = value->failed ? (csv_field){"", ""} : csv_text(value->data);
