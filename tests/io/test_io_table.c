@@ -238,6 +238,8 @@ static void carried_columns_go_along(void **state)
         {"# closed\nx,y,t,name\n0,0,1700000000.000000001,a\n1,0,1700000001,b\n1,1,1700000004,c\n", "four-point",
          "x,y,t,name\n# closed\n0,0,1700000000.000000001,a\n0.4375,-0.125,1700000000.500000001,a\n1,0,1700000001,b\n"
          "1.125,0.5625,1700000002.5,b\n1,1,1700000004,c\n0.4375,0.5625,1700000002,c\n"},
+        // Whole numbers that doubles cannot hold.
+        {"x,y,osm\n0,0,1\n2,0,12345678901234567\n", "four-point", "x,y,osm\n0,0,1\n1,0,1\n2,0,12345678901234567\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {

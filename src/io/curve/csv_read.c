@@ -143,6 +143,17 @@ static bool read_time(csv_reader *reader, size_t column, double *seconds)
     return true;
 }
 
+/// Whether a field is a whole number beyond those that doubles hold exactly.
+static bool is_long(csv_field field)
+{
+    static const double EXACT = 9007199254740992;
+    double value;
+    field = csv_unquoted(field);
+    const char *digits = field.begin + (field.begin < field.end && strchr("+-", *field.begin) != NULL);
+    return digits + strspn(digits, "0123456789") >= field.end && number_read(field.begin, field.end, &value) == NULL &&
+           fabs(value) >= EXACT;
+}
+
 static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_error *error)
 {
     const csv_columns *columns = reader->attributes->csv;
@@ -170,6 +181,9 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
             return others ? error_remedy(error, BAT_BAD_FILE, "columns", "chooses the columns of the coordinates")
                           : BAT_BAD_FILE;
         }
+        if (fault == NULL && state->kind == CSV_NUMBER && !state->is_coordinate && is_long(*field) &&
+            !reader->options->motion)
+            (void)csv_change_kind(reader, i);
         state->has_number = state->has_number || fault == NULL;
         if (state->is_watched && fault == NULL)
         {
