@@ -240,6 +240,9 @@ static void carried_columns_go_along(void **state)
          "1.125,0.5625,1700000002.5,b\n1,1,1700000004,c\n0.4375,0.5625,1700000002,c\n"},
         // Whole numbers that doubles cannot hold.
         {"x,y,osm\n0,0,1\n2,0,12345678901234567\n", "four-point", "x,y,osm\n0,0,1\n1,0,1\n2,0,12345678901234567\n"},
+        // Angles go around.
+        {"x,y,Heading,cog (deg),speed\n0,0,355,1,1\n2,0,5,2,3\n", "four-point",
+         "x,y,Heading,cog (deg),speed\n0,0,355,1,1\n1,0,355,1,2\n2,0,5,2,3\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {

@@ -359,6 +359,11 @@ bool name_is_code(const char *name)
     return ends_with(parts.base, "id") || name_is_index(name);
 }
 
+bool name_is_angle(const char *name)
+{
+    return is_spelled(name_parse(name).base, SPELLINGS("heading", "course", "bearing", "azimuth", "yaw", "cog"));
+}
+
 bool name_is_group(const char *name)
 {
     static const char *const words[] = {"track",   "trip",  "segment", "seg",    "line",   "route",

@@ -127,6 +127,8 @@ static csv_kind first_kind(const csv_reader *reader, size_t column)
         bool code = named && name_is_code(*name) && value == floor(value);
         if (!named || code || reader->options->motion)
             return code ? CSV_TEXT : CSV_NUMBER;
+        if (name_is_angle(*name))
+            return CSV_TEXT;
         return column_find_time(&(column_names){name, 1}, &decimals) == 0 ? CSV_CLOCK : CSV_NUMBER;
     }
     if (is_iso_time(field))
@@ -160,7 +162,8 @@ static void choose_first_kinds(csv_reader *reader)
     }
     char **names = reader->attributes->csv->names;
     for (size_t i = 0; i < reader->column_count && names != NULL && numbers < 2; i++) // they may be coordinates
-        if (reader->columns[i].kind == CSV_CLOCK)
+        if (reader->columns[i].kind == CSV_CLOCK ||
+            (reader->columns[i].kind == CSV_TEXT && name_is_angle(names[i]) && reads_as_number(reader, reader->fields[i])))
             reader->columns[i].kind = CSV_NUMBER;
     if (reader->group != 0 && begins_as_index(reader))
         reader->columns[0].kind = CSV_ID;
