@@ -88,3 +88,16 @@ def test_antimeridian():
     with pytest.warns(batten.BattenWarning, match="joined"):
         fine = batten.smooth(fiji, levels=2)
     assert fine[0].geom_type == "MultiPolygon" and fine.is_valid.all() and len(fine[0].geoms) == 2
+
+
+def test_bad_parts_do_not_spoil_a_map():
+    touching = shapely.Polygon([(1.888888888888889, 3.777777777777778), (1.6666666666666667, 3.8333333333333335), (3.25, 4.625),
+                                (4.2, 3.2), (1.9230769230769231, 3.7692307692307696), (2, 4)])  # fmt: skip
+    neighbour, details = shapely.Polygon([(4.2, 3.2), (3.25, 4.625), (5, 6), (6, 5), (6, 4)]), batten.Report()
+    with pytest.warns(batten.BattenWarning, match="1 pairs of given edges cross or touch"):
+        fine = batten.smooth([touching, neighbour], levels=2, details=details)
+    assert details.given_crossing == 1 and shapely.is_valid(fine).all() and bool(shapely.coverage_is_valid(fine))
+    assert len(fine[0].exterior.coords) == 10 and len(fine[1].exterior.coords) == 21
+    parts = shapely.from_wkt("MULTIPOLYGON (EMPTY, ((0 0, 4 0, 4 4, 0 4, 0 0)))")
+    with pytest.warns(batten.BattenWarning, match="dropped 1 line or ring with too few different points"):
+        assert batten.smooth(parts, levels=1).geoms[0].equals(batten.smooth(parts.geoms[1], levels=1))

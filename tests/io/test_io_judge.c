@@ -60,6 +60,18 @@ static void a_polygon_that_crosses_itself_is_refused(void **state)
            MAP("[0,0],[10,0],[0,10],[10,10],[0,0]", "[10,0],[20,0],[20,10],[10,10],[10,0]"), NULL, NULL);
 }
 
+// A vertex of the given ring comes within rounding of another edge, which has that vertex afterwards.
+static void a_ring_may_touch_itself_where_it_nearly_did(void **state)
+{
+    (void)state;
+    const char *given = MAP("[0,0],[9,3],[4,8],[3,1.0000000000000002],[0,8],[0,0]", "[10,0],[20,0],[20,10],[10,10],[10,0]");
+    const char *fine = MAP("[0,0],[3,1.0000000000000002],[9,3],[4,8],[3,1.0000000000000002],[0,8],[0,0]",
+                           "[10,0],[20,0],[20,10],[10,10],[10,0]");
+    expect(given, fine, "plane", NULL);
+    expect(MAP("[0,0],[9,3],[4,8],[3,1.00001],[0,8],[0,0]", "[10,0],[20,0],[20,10],[10,10],[10,0]"), fine, "plane",
+           "crosses itself");
+}
+
 static void a_border_that_is_left_is_refused(void **state)
 {
     (void)state;
@@ -87,6 +99,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_right_map_passes),
         cmocka_unit_test(a_polygon_that_crosses_itself_is_refused),
+        cmocka_unit_test(a_ring_may_touch_itself_where_it_nearly_did),
         cmocka_unit_test(a_border_that_is_left_is_refused),
         cmocka_unit_test(cut_polygons_pass),
     };

@@ -114,6 +114,13 @@ echo '{"type":"Polygon","coordinates":[[[0,0],[2,2],[2,0],[0,2],[0,0]]]}' > bow.
 refused 1 'bow\.in\.geojson: polygon 0, ring 0, near 0, 0: the edge after this point crosses or touches another one$' curve bow.in.geojson --strict -o out.csv --to geojson
 refused 1 'bow\.in\.geojson: the curve crosses or overlaps itself$' \
     curve bow.in.geojson --topology separate --strict -o out.csv --to geojson
+echo '{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:25833"}},"features":[
+{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[9,9],[9,12],[5,12],[9,9]]]}},
+{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[1.888888888888889,3.777777777777778],
+[1.6666666666666667,3.8333333333333335],[3.25,4.625],[4.2,3.2],[1.9230769230769231,3.7692307692307696],[2,4],
+[1.888888888888889,3.777777777777778]]]}}]}' > near.in.geojson
+refused 1 'near\.in\.geojson:3: feature 1, .*: the ring touches itself within rounding; --simple never leaves it as given$' \
+    curve near.in.geojson --strict -o out.csv --to geojson
 curve 'unclosed\.in\.geojson' unclosed.in.geojson
 curve 'index\.in\.obj:3: ' index.in.obj
 curve 'noline\.in\.obj:2: ' noline.in.obj

@@ -58,6 +58,9 @@ typedef struct map_job
     size_t count;
     const bat_curve *lines; ///< `line_count` of them, of which the chains are made
     size_t line_count;
+    const bat_curve *given;
+    unsigned char *touching; ///< of each given curve: a ring that comes within rounding of touching itself; null for none
+    size_t touch_count, touch_points; ///< of rings, of their vertices that are corners for that
     snapped_curves snapped, simple;
     line_chains chains;
     degree_edges straight;
@@ -143,6 +146,54 @@ static bat_status join_lines(map_job *job, bat_curve_map_join join, bat_error *e
     return status;
 }
 
+/// Find whether joined points make a ring touch itself. Such a ring has straight edges, where schemes can have corners.
+static bat_status find_touching(map_job *job, size_t curve, bat_error *error)
+{
+    const bat_curve *given = &job->given[curve];
+    bat_curve *joined = &job->snapped.curves[curve];
+    size_t row = given->space->point_dim * sizeof(double), same = 0;
+    bool apart, touches = false;
+    while (same < given->count && same < joined->count &&
+           memcmp((char *)joined->points + same * row, (char *)given->points + same * row, row) == 0)
+        same++;
+    if (!given->closed || (same == given->count && same == joined->count))
+        return BAT_OK;
+    bat_status status = curve_edges_are_apart(joined, &apart, error);
+    if (status == BAT_OK && !apart)
+        status = curve_edges_are_apart(given, &touches, error);
+    if (status != BAT_OK || !touches)
+        return status;
+    if (job->refine.strict && job->refine.simple != BAT_CURVE_SIMPLE_NEVER)
+        return error_remedy(
+            error,
+            error_set(error, BAT_INVALID_POINT, same > 0 ? same - 1 : 0, 0, "the ring touches itself within rounding"),
+            "simple", "never leaves it as given");
+    job->touching[curve] = true;
+    if (!corners_stay(&job->refine))
+        return BAT_OK;
+    free(joined->corners);
+    joined->corners = memory_array(joined->count, 1);
+    if (joined->corners == NULL)
+        return error_memory(error, joined->count);
+    memset(joined->corners, 1, joined->count);
+    return BAT_OK;
+}
+
+static bat_status find_all_touching(map_job *job, bat_error *error)
+{
+    job->given = job->curves;
+    job->touching = calloc(job->count, 1);
+    if (job->touching == NULL)
+        return error_memory(error, job->count);
+    bat_status status = for_each_curve(job, find_touching, error);
+    for (size_t i = 0; i < job->count; i++)
+    {
+        job->touch_count += job->touching[i];
+        job->touch_points += job->touching[i] && corners_stay(&job->refine) ? job->snapped.curves[i].count : 0;
+    }
+    return status;
+}
+
 /// Check the given curves, join their points and lines, and cut them into arcs.
 static bat_status prepare(map_job *job, const map_chart *chart, const bat_curve_map_refine_options *options,
                           bat_error *error)
@@ -154,7 +205,13 @@ static bat_status prepare(map_job *job, const map_chart *chart, const bat_curve_
     if (status != BAT_OK)
         return status;
     if (job->snapped.curves != NULL)
+    {
+        if (tolerance == 0)
+            status = find_all_touching(job, error);
         job->curves = job->snapped.curves;
+    }
+    if (status != BAT_OK)
+        return status;
     job->report.snapped = job->snapped.moved + job->snapped.added;
     job->report.spikes = job->snapped.spikes;
     job->report.largest_snap = job->snapped.largest;
@@ -342,6 +399,45 @@ static bat_status cut_chains(map_job *job, bat_error *error)
     return status;
 }
 
+/// Give a ring that would touch itself its given points back, where others do not share its edges.
+/// @param uses of each arc
+static void restore_ring(const map_job *job, size_t ring, const size_t *uses)
+{
+    const arc_graph *graph = &job->graph;
+    size_t curve = job->chains.pairs > 0 ? job->chains.members[ring].chain : ring;
+    const arc_use *use = graph->uses + graph->first_use[curve];
+    const size_t *origins = job->snapped.origins[ring];
+    size_t edges = job->snapped.curves[ring].count, row = 0, kept = 0;
+    bat_curve *made = job->cut != NULL ? &job->cut[ring] : &job->result[ring];
+    if (graph->first_use[curve + 1] - graph->first_use[curve] != edges)
+        return; // the scheme has no corners
+    for (size_t i = 0; i < edges; i++)
+    {
+        bool shared = uses[use[i].arc] > 1, held = shared || uses[use[i > 0 ? i - 1 : edges - 1].arc] > 1;
+        size_t rows = rows_of_use(job, &use[i], 0).count;
+        if (!held && (i == 0 || origins[i] != origins[i - 1]))
+            curve_copy_row(&job->given[ring], origins[i], made, kept++);
+        for (size_t k = held ? 0 : 1; k < (shared ? rows : 1); k++)
+            curve_copy_row(made, row + k, made, kept++);
+        row += rows;
+    }
+    made->count = kept;
+}
+
+static bat_status restore_touching(map_job *job, bat_error *error)
+{
+    size_t *uses = calloc(job->graph.arc_count + 1, sizeof *uses);
+    if (uses == NULL)
+        return error_memory(error, job->graph.arc_count * sizeof *uses);
+    for (size_t u = 0; u < job->graph.use_count; u++)
+        uses[job->graph.uses[u].arc]++;
+    for (size_t i = 0; i < job->line_count; i++)
+        if (job->touching[i])
+            restore_ring(job, i, uses);
+    free(uses);
+    return BAT_OK;
+}
+
 // The whole
 
 static void free_job(map_job *job)
@@ -351,6 +447,7 @@ static void free_job(map_job *job)
     free(job->corners);
     curves_free(job->result, job->count);
     curves_free(job->cut, job->line_count);
+    free(job->touching);
     line_chains_free(&job->chains);
     arc_graph_free(&job->graph);
     snapped_curves_free(&job->simple);
@@ -429,7 +526,11 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     if (job->result == NULL)
         return error_memory(error, job->count * sizeof *job->result);
     status = for_each_curve(job, assemble_curve, error);
-    return status == BAT_OK && job->chains.pairs > 0 ? cut_chains(job, error) : status;
+    if (status == BAT_OK && job->chains.pairs > 0)
+        status = cut_chains(job, error);
+    job->report.given_crossing += job->touch_count;
+    job->report.curves.corners -= job->touch_points;
+    return status == BAT_OK && job->touch_count > 0 ? restore_touching(job, error) : status;
 }
 
 static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options *options)

@@ -97,7 +97,7 @@ static bat_status flat_rings_make(const geojson_shape *shape, const geojson_styl
 typedef struct fault_search
 {
     const flat_rings *flat;
-    const double *place; ///< null: nothing was found
+    const double *ends[4]; ///< of the two edges; null: nothing was found
 } fault_search;
 
 /// Whether two edges on one line have more in common than a point.
@@ -118,33 +118,42 @@ static bool note_fault(void *context, edge_place first, edge_place second)
     bool line = sides == 0 && others == 0 && predicate_orientation(SURFACE_PLANE, a, b, c) == 0 &&
                 predicate_orientation(SURFACE_PLANE, a, b, d) == 0;
     bool fault = line ? overlap(a, b, c, d) : first.curve == second.curve || (sides < 0 && others < 0);
-    search->place = fault ? a : NULL;
+    if (fault)
+        memcpy(search->ends, (const double *[4]){a, b, c, d}, sizeof search->ends);
     return !fault;
 }
 
-/// Find a fault of a shape's rings. `place` receives two coordinates.
-static bat_status find_fault(const flat_rings *flat, bool *found, double *place, bat_error *error)
+/// Find a fault of a shape's rings. `search` receives it.
+static bat_status find_fault(const flat_rings *flat, fault_search *search, bat_error *error)
 {
     edge_tree tree;
-    fault_search search = {.flat = flat};
+    *search = (fault_search){.flat = flat};
     bat_status status = edge_tree_make(flat->rings, flat->count, 0, 1, &tree, error);
     if (status == BAT_OK)
-        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_fault, &search);
+        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_fault, search);
     edge_tree_free(&tree);
-    *found = search.place != NULL;
-    if (*found)
-        memcpy(place, search.place, 2 * sizeof *place);
     return status;
 }
 
-/// Whether a ring leads there and back along a line. Rounding can keep the two ways apart, on the globe by two units.
-static bool has_spike(const flat_rings *flat, bool globe)
+/// Whether an edge passes a place, or begins there.
+static bool passes_by(const double *p, const double *q, const double *place, double apart)
+{
+    double edge[2] = {q[0] - p[0], q[1] - p[1]}, to[2] = {place[0] - p[0], place[1] - p[1]};
+    double share = fmin(fmax(vector_dot(2, to, edge) / vector_dot(2, edge, edge), 0), 1);
+    return hypot(to[0] - share * edge[0], to[1] - share * edge[1]) <= apart &&
+           hypot(place[0] - q[0], place[1] - q[1]) > apart;
+}
+
+/// Whether a ring leads there and back along a line, or touches itself at a fault of what became of it. Rounding can keep
+/// the two ways apart, on the globe by two units.
+static bool nearly_touches(const flat_rings *flat, bool globe, const fault_search *fault)
 {
     for (size_t r = 0; r < flat->count; r++)
     {
         const double *points = flat->rings[r].points;
         size_t count = flat->rings[r].count;
         double apart = globe ? 2 : 0;
+        size_t passes[4] = {0};
         for (size_t i = 0; i < 2 * count && !globe; i++)
             apart = fmax(apart, SNAP_ROUNDING_FLAT * fabs(points[i]));
         for (size_t i = 0; i < count; i++)
@@ -155,6 +164,12 @@ static bool has_spike(const flat_rings *flat, bool globe)
             double longer = fmax(hypot(to[0], to[1]), hypot(from[0], from[1]));
             if (vector_dot(2, to, from) > 0 && fabs(vector2_turn(tip, p, q)) <= apart * longer)
                 return true;
+            for (size_t k = 0; k < 4; k++)
+            {
+                passes[k] += passes_by(tip, q, fault->ends[k], 2 * apart);
+                if (passes[k] > 1)
+                    return true;
+            }
         }
     }
     return false;
@@ -267,22 +282,23 @@ bat_status judge_polygons(const geojson_shape *given, const geojson_shape *fine,
                           bat_error *error)
 {
     flat_rings before = {0}, after = {0};
-    bool crosses = false, crossed = false;
-    double place[2], old_place[2];
+    fault_search found, given_fault = {0};
     bat_status status = flat_rings_make(fine, style, &after, error);
     if (status == BAT_OK)
-        status = find_fault(&after, &crosses, place, error);
+        status = find_fault(&after, &found, error);
+    bool crosses = status == BAT_OK && found.ends[0] != NULL;
     if (status == BAT_OK)
         status = flat_rings_make(given, style, &before, error);
     if (status == BAT_OK && crosses)
-        status = find_fault(&before, &crossed, old_place, error);
+        status = find_fault(&before, &given_fault, error);
+    bool crossed = given_fault.ends[0] != NULL;
     if (status == BAT_OK && crosses && !crossed)
-        crossed = has_spike(&before, style->globe);
+        crossed = nearly_touches(&before, style->globe, &found);
     double unit = style->globe ? (double)style->grid.half_turn / 180 : 1;
     if (status == BAT_OK && crosses && !crossed)
         status =
             error_set(error, BAT_UNSUPPORTED, first, 0, "the refined polygon of curve %zu crosses itself near %.8g, %.8g",
-                      first, place[0] / unit, place[1] / unit);
+                      first, found.ends[0][0] / unit, found.ends[0][1] / unit);
     if (status == BAT_OK && !crosses && !areas_agree(given, fine, style, &before, &after))
         status = error_set(error, BAT_UNSUPPORTED, first, 0,
                            "the refined polygon of curve %zu has another area than its borders say", first);

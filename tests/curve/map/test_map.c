@@ -755,6 +755,49 @@ static void test_what_cannot_be_is_refused(void **state)
     bat_curve_set_free(&coarse);
 }
 
+// A vertex lies within rounding of another edge of its ring. The ring stays as it is, or is refused.
+static void test_rings_that_nearly_touch_themselves_stay(void **state)
+{
+    (void)state;
+    static const double POINTS[] = {10,
+                                    10,
+                                    12,
+                                    10,
+                                    12,
+                                    13,
+                                    10,
+                                    12,
+                                    1.888888888888889,
+                                    3.777777777777778,
+                                    1.6666666666666667,
+                                    3.8333333333333335,
+                                    3.25,
+                                    4.625,
+                                    4.2,
+                                    3.2,
+                                    1.9230769230769231,
+                                    3.7692307692307696,
+                                    2,
+                                    4};
+    bat_space plane = bat_euclidean(2);
+    bat_curve_map_refine_report report;
+    bat_error error;
+    bat_curve_set fine, coarse = rings_of(&plane, POINTS, (const size_t[]){4, 6}, 2);
+    bat_curve_map_refine_options how = map_options("four-point", 3, &report);
+    fine = refined_map(&coarse, &how);
+    assert_int_equal(report.given_crossing, 1);
+    assert_int_equal(report.curves.corners, 0);
+    assert_int_equal(fine.curves[0].count, 4 * 8);
+    assert_int_equal(fine.curves[1].count, 6);
+    assert_memory_equal(fine.curves[1].points, POINTS + 8, 12 * sizeof *POINTS);
+    bat_curve_set_free(&fine);
+    how.refine.strict = true;
+    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.curve, 1);
+    assert_string_equal(error.remedy, "simple");
+    bat_curve_set_free(&coarse);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -774,6 +817,7 @@ int main(void)
         cmocka_unit_test(test_islands_stay_where_they_are),
         cmocka_unit_test(test_simplified_maps_stay_maps),
         cmocka_unit_test(test_what_cannot_be_is_refused),
+        cmocka_unit_test(test_rings_that_nearly_touch_themselves_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
