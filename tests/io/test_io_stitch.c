@@ -363,6 +363,41 @@ static void lines_of_one_point_are_dropped_and_counted(void **state)
     assert_non_null(strstr(error.text, "line 0: a line needs at least 2 positions"));
 }
 
+#define TRIANGLE "[[0,0],[1,0],[1,1],[0,0]]"
+
+static void empty_parts_are_dropped_and_counted(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *coordinates, *note, *fault;
+    } CASES[] = {
+        {"[[],[" TRIANGLE "]]", "dropped 1 line", "polygon 0: the coordinates must be"},
+        {"[[" TRIANGLE "],[]]", "dropped 1 line", "polygon 1: the coordinates must be"},
+        {"[[" TRIANGLE ",[]],[[]]]", "dropped 2 lines", "polygon 0, ring 1: a ring needs at least 4 positions"},
+        {"[[[],[[2,2],[3,2],[3,3],[2,2]]],[" TRIANGLE "]]", "dropped 1 line", "polygon 0, ring 0: a ring needs"},
+    };
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++)
+    {
+        char text[300];
+        int size = snprintf(text, sizeof text, COLLECTION(FEATURE("1", "{\"type\":\"MultiPolygon\",\"coordinates\":%s}")),
+                            CASES[i].coordinates);
+        assert_curves(text, "lon,lat\n# closed\n0,0\n1,0\n1,1\n");
+        assert_note(text, CASES[i].note);
+        bat_curve_read_options options = bat_curve_read_defaults();
+        options.format = GEOJSON;
+        options.strict = true;
+        bat_curve_set set = {0};
+        bat_error error = {0};
+        assert_int_equal(bat_curve_read_memory(text, (size_t)size, &options, &set, &error), BAT_BAD_FILE);
+        assert_non_null(strstr(error.text, CASES[i].fault));
+    }
+    assert_curves(COLLECTION(FEATURE("1", "{\"type\":\"MultiLineString\",\"coordinates\":[[],[[0,0],[1,1]]]}")),
+                  "lon,lat\n0,0\n1,1\n");
+    assert_note(COLLECTION(FEATURE("1", POLYGONS("[[[]]]")) "," FEATURE("2", POLYGONS("[[" TRIANGLE "]]"))),
+                "left 1 geometry without a usable outline unchanged");
+}
+
 static void repeated_points_are_dropped_and_counted(void **state)
 {
     (void)state;
@@ -560,6 +595,7 @@ int main(void)
                                        cmocka_unit_test(what_is_cut_comes_back_point_for_point),
                                        cmocka_unit_test(a_line_comes_back_point_for_point),
                                        cmocka_unit_test(lines_of_one_point_are_dropped_and_counted),
+                                       cmocka_unit_test(empty_parts_are_dropped_and_counted),
                                        cmocka_unit_test(repeated_points_are_dropped_and_counted),
                                        cmocka_unit_test(a_curve_is_described_by_its_feature),
                                        cmocka_unit_test(a_crs_chooses_the_space),

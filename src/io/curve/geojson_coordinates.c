@@ -158,7 +158,14 @@ static bat_status read_position(geojson_reader *reader, json_scanner *scan)
     return add_point(reader, numbers, point);
 }
 
-/// Read an array of positions as a curve. Lines are closed when the geometry is complete.
+/// Count a part that is dropped, at the reader's place.
+static void note_degenerate(geojson_reader *reader)
+{
+    if (reader->findings.degenerate++ == 0)
+        describe_place(reader, reader->findings.first_degenerate, sizeof reader->findings.first_degenerate);
+}
+
+/// Read an array of positions as a curve; none of an empty array. Lines are closed when the geometry is complete.
 static bat_status read_part(geojson_reader *reader, json_scanner *scan)
 {
     enum
@@ -178,8 +185,13 @@ static bat_status read_part(geojson_reader *reader, json_scanner *scan)
             return status;
     }
     reader->place.position = NOWHERE;
-    if (count == 0 || (count < fewest && reader->strict)) // else it is dropped when the geometry is complete
+    if (count < fewest && reader->strict) // else it is dropped when the geometry is complete
         return geojson_fault(reader, "a %s needs at least %zu positions", reader->rings ? "ring" : "line", fewest);
+    if (count == 0)
+    {
+        note_degenerate(reader);
+        return BAT_OK;
+    }
     // Only repetitions were read when a single point is left.
     bool returns = builder_returns(&reader->builder) || reader->builder.point_count == 1;
     if (reader->rings && !returns)
@@ -199,14 +211,15 @@ static bat_status read_part(geojson_reader *reader, json_scanner *scan)
     return BAT_OK;
 }
 
-static bat_status read_parts(geojson_reader *reader, json_scanner *scan, size_t *count)
+static bat_status read_parts(geojson_reader *reader, json_scanner *scan)
 {
-    *count = 0;
-    if (!json_scan_take(scan, '[') || json_scan_at(scan, ']'))
+    if (!json_scan_take(scan, '[') || (reader->strict && json_scan_at(scan, ']')))
         return geojson_fault(reader, "the coordinates must be an array of arrays of positions");
-    for (; json_scan_element(scan, *count); (*count)++)
+    if (json_scan_at(scan, ']')) // of a polygon among others
+        note_degenerate(reader);
+    for (size_t i = 0; json_scan_element(scan, i); i++)
     {
-        reader->place.part = *count;
+        reader->place.part = i;
         bat_status status = read_part(reader, scan);
         if (status != BAT_OK)
             return status;
@@ -215,14 +228,28 @@ static bat_status read_parts(geojson_reader *reader, json_scanner *scan, size_t 
     return BAT_OK;
 }
 
+/// Forget the curves from one on.
+static void drop_curves(geojson_reader *reader, size_t first_curve)
+{
+    for (size_t i = first_curve; i < reader->builder.curve_count; i++)
+        bat_curve_free(&reader->builder.curves[i]);
+    reader->builder.curve_count = reader->document.curve_count = first_curve;
+}
+
 static bat_status read_polygon(geojson_reader *reader, json_scanner *scan)
 {
     geojson_document *document = &reader->document;
     if (!geojson_document_reserve(document, document->polygon_count + 1, document->curve_count))
         return geojson_no_memory(reader);
-    size_t count;
-    bat_status status = read_parts(reader, scan, &count);
-    document->polygons[document->polygon_count++] = (stitch_polygon){.rings = count};
+    size_t first = document->curve_count, positions = reader->position_count;
+    bat_status status = read_parts(reader, scan);
+    if (document->curve_count > first && document->origins[first].ring > 0) // an empty outer ring
+    {
+        drop_curves(reader, first);
+        reader->position_count = positions;
+    }
+    if (document->curve_count > first)
+        document->polygons[document->polygon_count++] = (stitch_polygon){.rings = document->curve_count - first};
     return status;
 }
 
@@ -362,7 +389,6 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
 {
     curve_builder *builder = &reader->builder;
     geojson_document *document = &reader->document;
-    geojson_findings *findings = &reader->findings;
     size_t ring = first_curve, kept = first_curve, kept_polygons = first_polygon, end = builder->curve_count;
     size_t polygon = first_polygon;
     while (ring < end)
@@ -384,8 +410,7 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
                     place->part = reader->rings ? origin.ring : origin.part;
                 if (reader->strict)
                     return geojson_fault(reader, "the %s has too few different positions", reader->rings ? "ring" : "line");
-                if (findings->degenerate++ == 0)
-                    describe_place(reader, findings->first_degenerate, sizeof findings->first_degenerate);
+                note_degenerate(reader);
                 *place = outer;
             }
             if (degenerate || dropped)
@@ -412,10 +437,7 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
 /// Forget the curves of a geometry, which passes unchanged.
 static void forget(geojson_reader *reader, size_t first_curve, size_t first_polygon)
 {
-    curve_builder *builder = &reader->builder;
-    for (size_t i = first_curve; i < builder->curve_count; i++)
-        bat_curve_free(&builder->curves[i]);
-    builder->curve_count = reader->document.curve_count = first_curve;
+    drop_curves(reader, first_curve);
     reader->document.polygon_count = first_polygon;
     geojson_findings *findings = &reader->findings;
     if (findings->unchanged++ == 0)
@@ -452,14 +474,14 @@ static bat_status complete_geometry(geojson_reader *reader, size_t first_curve, 
 
 bat_status geojson_read_coordinates(geojson_reader *reader, geometry_kind kind, json_scanner *scan)
 {
-    size_t unused, first_curve = reader->builder.curve_count, first_polygon = reader->document.polygon_count;
+    size_t first_curve = reader->builder.curve_count, first_polygon = reader->document.polygon_count;
     reader->rings = kind == GEOMETRY_POLYGON || kind == GEOMETRY_POLYGONS;
     reader->multiple = kind == GEOMETRY_LINES || kind == GEOMETRY_POLYGONS;
     reader->number_count = 0;
     reader->position_count = 0;
     reader->aliases = false;
     bat_status status = kind == GEOMETRY_LINE      ? read_part(reader, scan)
-                        : kind == GEOMETRY_LINES   ? read_parts(reader, scan, &unused)
+                        : kind == GEOMETRY_LINES   ? read_parts(reader, scan)
                         : kind == GEOMETRY_POLYGON ? read_polygon(reader, scan)
                                                    : read_polygons(reader, scan);
     return status == BAT_OK ? complete_geometry(reader, first_curve, first_polygon) : status;
