@@ -190,11 +190,42 @@ static void writing_keeps_every_double(void **state)
 static void the_layout_survives(void **state)
 {
     (void)state;
-    assert_rewritten("a\tb\n1\t2\n\n# closed\n3\t4\n5\t6\n7\t8\n", CSV, NULL, "a,b\n1,2\n\n# closed\n3,4\n5,6\n7,8\n");
+    assert_rewritten("a\tb\n1\t2\n1\t3\n\n# closed\n3\t4\n5\t6\n7\t8\n", CSV, NULL,
+                     "a,b\n1,2\n1,3\n\n# closed\n3,4\n5,6\n7,8\n");
     assert_rewritten("lon,lat\n1,2\n3,4\n", CSV, "plane", "# space: plane\nlon,lat\n1,2\n3,4\n");
     assert_rewritten("0.5,0.5\n", CSV, "disk", "# space: disk\n0.5,0.5\n");
     assert_rewritten("0.1,0.5,9\n0,0,1e-300\n", CSV, "plane", "# space: plane\n0.1,0.5,9\n0,0,1e-300\n");
     assert_rewritten("lon,lat\n200,-12.5\n", CSV, NULL, "lon,lat\n-160,-12.5\n");
+}
+
+/// Blocks and groups with too few points among others are dropped and counted, unless that is refused.
+static void short_curves_are_dropped_and_counted(void **state)
+{
+    (void)state;
+    static const char text[] = "s,x,y,name\nb,5,5,p\na,1,2,q\na,3,4,r\nc,7,7,t\nc,7,7,t\nd,8,8,u\nd,9,8,u\n";
+    assert_rewritten("1,2\n\n3,4\n5,6\n\n7,8\n7,8\n", CSV, "plane", "3,4\n5,6\n");
+    assert_rewritten("1,2\n3,4\n\n# closed\n3,4\n5,6\n", CSV, "plane", "1,2\n3,4\n");
+    bat_curve_read_options options = bat_curve_read_defaults();
+    options.format = CSV;
+    options.space = "plane";
+    options.group = "s";
+    bat_curve_set set = {0};
+    assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_OK);
+    assert_int_equal(set.count, 2);
+    assert_int_equal(bat_curve_set_line(&set, 1, 0), 7);
+    char *written = must_write(&set, CSV);
+    assert_non_null(strstr(written, "\na,1,2,q\na,3,4,r\n\nd,8,8,u\nd,9,8,u\n"));
+    free(written);
+    const char *note = NULL;
+    for (size_t i = 0; (note = bat_curve_set_note(&set, i)) != NULL && strstr(note, "left out") == NULL;)
+        i++;
+    assert_string_equal(note, "left out 2 curves with too few different points, the first ends on line 2");
+    bat_curve_set_free(&set);
+    options.strict = true;
+    static const char strict[] = "s,x,y\nb,5,5\na,1,2\na,3,4\n";
+    assert_int_equal(bat_curve_read_memory(strict, sizeof strict - 1, &options, &set, NULL), BAT_OK);
+    assert_int_equal(set.count, 2); // refinement refuses the first
+    bat_curve_set_free(&set);
 }
 
 /// A column called corner is neither a coordinate nor a channel. It survives at its place, first, last or between.
@@ -354,6 +385,7 @@ int main(void)
                                        cmocka_unit_test(points_off_their_space_are_refused_or_moved),
                                        cmocka_unit_test(writing_keeps_every_double),
                                        cmocka_unit_test(the_layout_survives),
+                                       cmocka_unit_test(short_curves_are_dropped_and_counted),
                                        cmocka_unit_test(a_column_of_corners_survives),
                                        cmocka_unit_test(bad_files_name_their_line),
                                        cmocka_unit_test(too_many_columns_are_refused),

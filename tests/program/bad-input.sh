@@ -210,7 +210,8 @@ refused 2 '2 or 4' curve keygood.in.csv --tangents 3 -o out.csv
 refused 2 '--translation-weight is 0, but must be finite and above 0' curve keygood.in.csv --translation-weight 0 -o out.csv
 printf '0,0\n1,0\n1,1\n' > good.in.csv
 printf "0,0\n0.5,0\n0.5,0.5\n" > small.in.csv
-printf '0,0\n1,0\n\n0,0\n0,0\n' > two.in.csv
+printf '0,0\n1,0\n\n0,0\n0,1\n' > two.in.csv
+printf '0,0\n1,0\n\n0,0\n' > single.in.csv
 refused 1 'points' curve good.in.csv --levels 60 -o out.csv
 refused 1 'points' curve good.in.csv --levels 44 -o out.csv
 refused 1 '^batten: no/such/out\.csv: cannot write: No such' curve good.in.csv -o no/such/out.csv --picture out.png
@@ -219,7 +220,7 @@ refused 1 '^batten: out\.gif: .*must end in [^:]*$' curve good.in.csv --picture 
 refused 1 'linear scheme' curve small.in.csv --space disk --scheme six-point -o out.csv
 refused 1 'missing' curve good.in.csv --truth missing.in.csv -o out.csv
 refused 1 '2 curves cannot be compared with the 1 ' curve good.in.csv --truth two.in.csv -o out.csv
-refused 1 'two\.in\.csv:4: curve 1: an open curve needs at least 2 points' curve two.in.csv -o out.csv --picture out.png
+refused 1 'single\.in\.csv:4: curve 1: an open curve needs at least 2 points' curve single.in.csv --strict -o out.csv --picture out.png
 refused 1 'angle-based' curve antipodal.in.csv --truth antipodal.in.csv --best-tension -o out.csv
 refused 2 'several inputs, and --jobs, need a folder' curve good.in.csv other -o out.csv
 refused 2 'missing' curve

@@ -275,6 +275,8 @@ typedef struct csv_reader
     bool time_by_size;            ///< the unit of the times is told by their size
     bool left[BAT_SPACE_MAX_DIM]; ///< columns of the file that are no part of a motion, and in no other table here
     size_t left_count, left_rows, first_left_row; ///< rows that repeat a time, and the line of the first
+    size_t short_count, first_short;              ///< curves with too few points, and the last line of the first
+    bool drop_short;                              ///< they are dropped, as there are other curves
     char left_name[EXCERPT_SIZE];                 ///< of the first of them
     size_t group;                                 ///< the column of the option, or BAT_NO_INDEX
     size_t row_count;

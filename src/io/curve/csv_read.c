@@ -432,6 +432,16 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
             cells_drop_row(&reader->cells);
     }
     reader->closed = false;
+    bool few = builder->point_count < (closed ? 3 : 2);
+    if (few && reader->short_count++ == 0)
+        reader->first_short = builder->lines[builder->line_count - 1];
+    if (few && reader->drop_short)
+    {
+        for (; builder->point_count > 0; builder_drop_last(builder))
+            if (reader->cells.columns > 0)
+                cells_drop_row(&reader->cells);
+        return BAT_OK;
+    }
     bat_status status = check_times(reader, closed, error);
     if (status != BAT_OK)
         return status;
@@ -633,23 +643,29 @@ static bool reader_begin(csv_reader *reader, bat_curve_format format)
                            .group = BAT_NO_INDEX,
                            .time_decimals = -1,
                            .kinds_known = before.kinds_known,
+                           .drop_short = before.drop_short,
                            .tum = format == BAT_CURVE_FORMAT_TUM || format == BAT_CURVE_FORMAT_EUROC};
     for (size_t i = 0; i < BAT_SPACE_MAX_DIM && before.kinds_known; i++)
         reader->columns[i] = (column_state){.kind = before.columns[i].kind, .has_number = before.columns[i].has_number};
     return reader->attributes != NULL && (!reader->tum || csv_name_tum_columns(reader));
 }
 
-/// Read the file, and again where a column holds other things than it began with. Kinds change one way, so that this ends.
+/// Read the file, and again where a column holds other things than it began with, or a curve among others has too few
+/// points. Kinds change one way, so that this ends.
 static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_error *error)
 {
     bat_status status = BAT_OK;
+    bool few = false;
     do
     {
         reader_release(reader);
         if (!reader_begin(reader, format))
             return error_memory(error, sizeof *reader);
         status = reader->options->group != NULL && !reader->tum ? read_groups(reader, error) : read_lines(reader, error);
-    } while (status == BAT_OK && reader->again);
+        few = !reader->again && !reader->drop_short && !reader->options->strict && reader->short_count > 0 &&
+              reader->builder.curve_count > reader->short_count;
+        reader->drop_short = reader->drop_short || few;
+    } while (status == BAT_OK && (reader->again || few));
     if (status == BAT_OK && !csv_note_columns(reader))
         status = error_memory(error, BAT_ERROR_TEXT_SIZE);
     return status;

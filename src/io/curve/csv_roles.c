@@ -710,6 +710,10 @@ bool csv_note_columns(csv_reader *reader)
     if (good && reader->left_count > 0)
         good = attributes_note(reader->attributes, "%zu column%s no part of a motion and left out, the first '%s'",
                                reader->left_count, reader->left_count > 1 ? "s are" : " is", reader->left_name);
+    if (good && reader->drop_short)
+        good = attributes_note(reader->attributes,
+                               "left out %zu curve%s with too few different points, the first ends on line %zu",
+                               reader->short_count, reader->short_count > 1 ? "s" : "", reader->first_short);
     if (good && reader->left_rows > 0)
         good =
             attributes_note(reader->attributes, "%zu row%s the time of the row before and left out, the first on line %zu",
