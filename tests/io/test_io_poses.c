@@ -372,8 +372,9 @@ static void joints_of_bvh_are_poses(void **state)
         const char *rows, *words;
         size_t line;
     } bad[] = {{"1 2 3 90 0 0 0 0 0\n4 5 6 90 x 0 0 0 180\n", "a number for each channel", 19},
-               {"1 2 3\n", "fewer numbers", 17}};
-    for (size_t i = 0; i < 2; i++)
+               {"1 2 3\n", "fewer numbers", 17},
+               {"1 2 3 90 0 0 0 0 0\n4 5 6 90 90 0 0 0 180\n7 8 9 0 0 0 0 0 0\n", "go on after the number", 20}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
     {
         bat_curve_read_options options = bat_curve_read_defaults();
         bat_error error;

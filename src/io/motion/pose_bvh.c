@@ -119,6 +119,9 @@ bat_status pose_translate_bvh(pose_translation *work, bat_error *error)
     for (size_t i = 0; i < wanted && fault == NULL; i++)
         if (!isfinite(numbers[i] = next_number(&file)))
             fault = "a frame has a number for each channel";
+    csv_field rest = fault == NULL ? next_word(&file) : (csv_field){file.end, file.end};
+    if (rest.begin < rest.end)
+        fault = "the frames go on after the number of them that 'Frames:' gives";
     text_append_string(&work->text, "# space: rigid\ntime tx ty tz qx qy qz qw\n");
     for (size_t j = 0, at = 0; j < file.count && fault == NULL; at += file.joints[j++].count)
     {
