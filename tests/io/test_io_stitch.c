@@ -398,6 +398,21 @@ static void empty_parts_are_dropped_and_counted(void **state)
                 "left 1 geometry without a usable outline unchanged");
 }
 
+static void edges_of_more_than_half_a_turn_are_told(void **state)
+{
+    (void)state;
+    assert_note(COLLECTION(FEATURE("1", POLYGON("[" TRIANGLE "]")) "," FEATURE(
+                    "2", POLYGON("[[[-100,30],[100,30],[100,50],[-100,50],[-100,30]]]"))),
+                "2 edges span more than 180 degrees of longitude and go the short way, across the antimeridian, the first "
+                "in feature 1 (id 2), ring 0, position 1");
+    // Crossings near the antimeridian, and that of Greenwich in longitudes up to 360 degrees, are what they look like.
+    bat_curve_set set =
+        must_read(LINES("[[[175,0],[-175,1],[179,2],[-172,3]],[[10,0],[350,1]],[[-90,0],[90,1]]]"), GEOJSON, NULL);
+    for (size_t i = 0; bat_curve_set_note(&set, i) != NULL; i++)
+        assert_null(strstr(bat_curve_set_note(&set, i), "span"));
+    bat_curve_set_free(&set);
+}
+
 static void repeated_points_are_dropped_and_counted(void **state)
 {
     (void)state;
@@ -596,6 +611,7 @@ int main(void)
                                        cmocka_unit_test(a_line_comes_back_point_for_point),
                                        cmocka_unit_test(lines_of_one_point_are_dropped_and_counted),
                                        cmocka_unit_test(empty_parts_are_dropped_and_counted),
+                                       cmocka_unit_test(edges_of_more_than_half_a_turn_are_told),
                                        cmocka_unit_test(repeated_points_are_dropped_and_counted),
                                        cmocka_unit_test(a_curve_is_described_by_its_feature),
                                        cmocka_unit_test(a_crs_chooses_the_space),

@@ -122,8 +122,9 @@ typedef struct geojson_findings
     size_t repeats;    ///< repeated positions that were dropped
     size_t degenerate; ///< lines and rings with too few different points that were dropped
     size_t unchanged;  ///< geometries that were not converted
+    size_t wide;       ///< edges of more than 180 degrees of longitude
     stitch_report lines, polygons;
-    char first_repeat[120], first_degenerate[120], first_unchanged[120], first_join[120], first_pole[120];
+    char first_repeat[120], first_degenerate[120], first_unchanged[120], first_join[120], first_pole[120], first_wide[120];
 } geojson_findings;
 
 /// The state of a reader that converts features to curves. Each thread has its own.

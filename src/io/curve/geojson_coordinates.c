@@ -4,6 +4,7 @@
 #include "io/common/number_text.h"
 #include "space/degrees.h"
 
+#include <math.h>
 #include <stdarg.h>
 
 /// @file
@@ -98,6 +99,15 @@ static bat_status drop_repeat(geojson_reader *reader)
     return BAT_OK;
 }
 
+/// Count an edge whose longitudes may be meant the long way round. A crossing near the antimeridian is not.
+static void note_wide(geojson_reader *reader, double from, double to)
+{
+    static const double NEAR = 170; // degrees; farther ones are near the antimeridian
+    double less = fmin(fabs(from), fabs(to)), more = fmax(fabs(from), fabs(to));
+    if (fabs(to - from) > 180 && less <= NEAR && more <= 180 && reader->findings.wide++ == 0)
+        describe_place(reader, reader->findings.first_wide, sizeof reader->findings.first_wide);
+}
+
 static bat_status add_point(geojson_reader *reader, const double *numbers, double *point)
 {
     const char *fault = reader->degrees ? degrees_fault(numbers[0], numbers[1]) : NULL;
@@ -112,6 +122,8 @@ static bat_status add_point(geojson_reader *reader, const double *numbers, doubl
     fault = builder_admit(&reader->builder);
     if (fault != NULL)
         return builder_refuse(&reader->builder, geojson_fault(reader, "the point is %s", fault), reader->error);
+    if (reader->degrees && reader->builder.point_count > 1)
+        note_wide(reader, reader->positions[2 * (reader->position_count - 1)], numbers[0]);
     return !reader->degrees || keep_degrees(reader, numbers) ? BAT_OK : geojson_no_memory(reader);
 }
 

@@ -144,6 +144,7 @@ static void add_findings(geojson_findings *sum, const geojson_findings *part)
     add_count(&sum->repeats, part->repeats, sum->first_repeat, part->first_repeat, size);
     add_count(&sum->degenerate, part->degenerate, sum->first_degenerate, part->first_degenerate, size);
     add_count(&sum->unchanged, part->unchanged, sum->first_unchanged, part->first_unchanged, size);
+    add_count(&sum->wide, part->wide, sum->first_wide, part->first_wide, size);
     add_count(&joins, part->lines.joins + part->polygons.joins, sum->first_join, part->first_join, size);
     add_count(&poles, part->polygons.poles, sum->first_pole, part->first_pole, size);
     stitch_report_add(&sum->lines, &part->lines);
@@ -335,6 +336,11 @@ static bool add_notes(const geojson_reader *reader, bat_curve_attributes *attrib
         done = attributes_note(attributes, "dropped %zu line%s or ring%s with too few different points%s", found->degenerate,
                                plural(found->degenerate), plural(found->degenerate),
                                first_in(found->first_degenerate, first, sizeof first));
+    if (done && found->wide > 0)
+        done = attributes_note(
+            attributes, "%zu edge%s more than 180 degrees of longitude and %s the short way, across the antimeridian%s",
+            found->wide, found->wide == 1 ? " spans" : "s span", found->wide == 1 ? "goes" : "go",
+            first_in(found->first_wide, first, sizeof first));
     if (done && found->unchanged > 0)
         done = attributes_note(attributes, "left %zu geometr%s without a usable outline unchanged%s", found->unchanged,
                                found->unchanged == 1 ? "y" : "ies", first_in(found->first_unchanged, first, sizeof first));
