@@ -247,12 +247,16 @@ static void flag_found(corner_search *search, unsigned char *flags)
 {
     size_t n = search->count;
     const double *turns = search->turns;
+    double whole = 0;
+    for (size_t i = 0; i < n; i++)
+        whole += turns[i];
+    bool few =
+        search->curve->closed && n <= FEW && fabs(whole) > CORNER_ANGLE_LIMIT; // of rings that do not cross themselves
     for (size_t i = 0; i < n; i++)
     {
         bool pair = is_right(turns[i]) && (is_right(turns[(i + 1) % n]) || is_right(turns[(i + n - 1) % n]));
         bool back = fabs(turns[i]) > (CORNER_ANGLE_LIMIT - PAIR_WIDTH * DEGREE);
-        bool told = ends_run(search, i) || (search->curve->closed && n <= FEW);
-        if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && told))
+        if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && (few || ends_run(search, i))))
             flags[i] = 1;
     }
     bat_curve_edge_lengths(search->curve, search->lengths);

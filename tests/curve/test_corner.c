@@ -534,10 +534,11 @@ static void round_curves_have_no_corners(void **state)
 static void lots_keep_their_corners(void **state)
 {
     (void)state;
-    double kite[] = {0, 0, 2, -1, 3, 1, 0, 2}, triangle[] = {0, 0, 2, 0, 0, 1};
+    double kite[] = {0, 0, 2, -1, 3, 1, 0, 2}, triangle[] = {0, 0, 2, 0, 0, 1}, bow[] = {0, 0, 3, 2, 3, 0, 0, 1};
     assert_int_equal(corners_found(kite, 4, true, "learned"), 4);
     assert_int_equal(corners_found(triangle, 3, true, "learned"), 3);
     assert_int_equal(corners_found(kite, 4, false, "learned"), 0);
+    assert_int_equal(corners_found(bow, 4, true, "learned"), 0);
 }
 
 static void straight_runs_end_in_corners(void **state)
