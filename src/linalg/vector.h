@@ -52,6 +52,13 @@ static inline void vector3_cross(const double a[3], const double b[3], double pr
     product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+static inline double vector3_determinant(const double a[3], const double b[3], const double c[3])
+{
+    double product[3];
+    vector3_cross(b, c, product);
+    return vector3_dot(a, product);
+}
+
 static inline void vector3_subtract(const double a[3], const double b[3], double difference[3])
 {
     for (int c = 0; c < 3; c++)

@@ -207,11 +207,6 @@ typedef struct area_job
     memory_pool pool; ///< of all arrays
 } area_job;
 
-static double determinant(const double *a, const double *b, const double *c)
-{
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
 /// The signed area of the triangle between a fixed point and an edge; on the sphere by Eriksson's formula.
 static double triangle(const area_job *job, const double *fixed, const double *p, const double *q)
 {
@@ -224,7 +219,8 @@ static double triangle(const area_job *job, const double *fixed, const double *p
         to_p[c] = p[c] - fixed[c];
         to_q[c] = q[c] - fixed[c];
     }
-    return 2 * atan2(determinant(fixed, to_p, to_q), 1 + vector3_dot(fixed, p) + vector3_dot(p, q) + vector3_dot(q, fixed));
+    return 2 * atan2(vector3_determinant(fixed, to_p, to_q),
+                     1 + vector3_dot(fixed, p) + vector3_dot(p, q) + vector3_dot(q, fixed));
 }
 
 /// A point in the middle of a ring.

@@ -3,6 +3,7 @@
 #include "io/common/xml_parse.h"
 #include "io/common/zip.h"
 #include "io/mesh/builder.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 
@@ -563,14 +564,6 @@ static affine compose(const affine *first, const affine *then)
     return both;
 }
 
-static bool mirrors(const affine *to)
-{
-    const double(*m)[3] = to->m;
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) <
-           0;
-}
-
 static bat_status no_memory(const reader_3mf *reader, bat_error *error)
 {
     return error_memory(error, reader->vertices * 3 * sizeof(double));
@@ -625,7 +618,8 @@ static bat_status add_object(reader_3mf *reader, const placed *at, const char *n
     name = object->name != NULL ? object->name : name;
     bat_status status = add_vertices(reader, object, &at->to, error);
     if (status == BAT_OK)
-        status = add_faces(reader, object, name, first, mirrors(&at->to), error);
+        status =
+            add_faces(reader, object, name, first, vector3_determinant(at->to.m[0], at->to.m[1], at->to.m[2]) < 0, error);
     for (size_t i = 0; i < object->component_count && status == BAT_OK; i++)
     {
         placed part = object->components[i];

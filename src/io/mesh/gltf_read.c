@@ -1,6 +1,7 @@
 #include "io/mesh/gltf.h"
 
 #include "io/mesh/builder.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 
@@ -253,13 +254,6 @@ static void count_others(gltf_reader *reader, const json_t *object, size_t verti
     }
 }
 
-/// Whether the mapping mirrors.
-static bool mirrors(const double m[12])
-{
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]) <
-           0;
-}
-
 /// Whether the numbers of a primitive exist only in compressed form.
 static bool is_compressed(const gltf_reader *reader, const json_t *object)
 {
@@ -273,8 +267,9 @@ static bool is_compressed(const gltf_reader *reader, const json_t *object)
 static bat_status read_primitive(gltf_reader *reader, const gltf_instance *instance, const json_t *mesh,
                                  const json_t *object, bat_error *error)
 {
+    const double *m = instance->matrix;
     gltf_primitive primitive = {
-        .place = {"mesh", instance->mesh}, .instance = instance, .flipped = mirrors(instance->matrix)};
+        .place = {"mesh", instance->mesh}, .instance = instance, .flipped = vector3_determinant(m, m + 4, m + 8) < 0};
     size_t mode = GLTF_TRIANGLES;
     if (!json_is_object(object))
         return gltf_fault(primitive.place, error, "a primitive is no object");
