@@ -30,16 +30,6 @@ static void record(void *context, double x, double y, bool move)
     log->moves[log->count++] = move;
 }
 
-static void record_move(void *context, double x, double y)
-{
-    record(context, x, y, true);
-}
-
-static void record_line(void *context, double x, double y)
-{
-    record(context, x, y, false);
-}
-
 static void forget(recording *log)
 {
     free(log->points);
@@ -49,7 +39,7 @@ static void forget(recording *log)
 
 static path_simplifier recorder(recording *log, double tolerance)
 {
-    return simplifier_begin((path_sink){record_move, record_line, log}, tolerance);
+    return simplifier_begin((path_sink){record, log}, tolerance);
 }
 
 static double distance_to_segment(const double *p, const double *a, const double *b)
@@ -530,8 +520,8 @@ static void rough_curves_have_coverage_masks(void **state)
     assert_int_equal(coverage_begin(-3.0, -2.0, 3.0, 2.0, &map, NULL), BAT_OK);
     path_sink sink = coverage_sink(&map);
     const double ends[4] = {-3.0, 2.0, 2.9, -1.7};
-    sink.move(sink.context, ends[0], ends[1]);
-    sink.line(sink.context, ends[2], ends[3]);
+    sink.add(sink.context, ends[0], ends[1], true);
+    sink.add(sink.context, ends[2], ends[3], false);
     size_t marks = 0;
     for (size_t row = 0; row < map.rows; row++)
     {

@@ -224,17 +224,12 @@ void canvas_close(draw_canvas *canvas)
     *canvas = (draw_canvas){0};
 }
 
-static void sink_move(void *context, double x, double y)
+static void append(void *context, double x, double y, bool begins)
 {
-    cairo_move_to(context, x, y);
-}
-
-static void sink_line(void *context, double x, double y)
-{
-    cairo_line_to(context, x, y);
+    (begins ? cairo_move_to : cairo_line_to)(context, x, y);
 }
 
 path_sink canvas_sink(cairo_t *cairo)
 {
-    return (path_sink){sink_move, sink_line, cairo};
+    return (path_sink){append, cairo};
 }

@@ -147,17 +147,10 @@ typedef struct line_group
     size_t points; ///< in the path, about
 } line_group;
 
-static void count_move(void *context, double x, double y)
+static void count_point(void *context, double x, double y, bool begins)
 {
     line_group *group = context;
-    cairo_move_to(group->cairo, x, y);
-    group->points++;
-}
-
-static void count_line(void *context, double x, double y)
-{
-    line_group *group = context;
-    cairo_line_to(group->cairo, x, y);
+    (begins ? cairo_move_to : cairo_line_to)(group->cairo, x, y);
     group->points++;
 }
 
@@ -170,7 +163,7 @@ static void flush(line_group *group)
 
 static void add_line(line_group *group, const double *points, size_t count, bool closed)
 {
-    path_simplifier path = simplifier_begin((path_sink){count_move, count_line, group}, LINE_TOLERANCE);
+    path_simplifier path = simplifier_begin((path_sink){count_point, group}, LINE_TOLERANCE);
     view_trace(group->view, points, count, closed, VIEW_FRONT, &path);
     if (group->points > PATH_POINTS)
         flush(group);

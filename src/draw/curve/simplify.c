@@ -20,7 +20,7 @@ void simplifier_flush(path_simplifier *simplifier)
 {
     if (simplifier->pending)
     {
-        simplifier->sink.line(simplifier->sink.context, simplifier->last_x, simplifier->last_y);
+        simplifier->sink.add(simplifier->sink.context, simplifier->last_x, simplifier->last_y, false);
         simplifier->pending = false;
     }
 }
@@ -28,7 +28,7 @@ void simplifier_flush(path_simplifier *simplifier)
 void simplifier_move(path_simplifier *simplifier, double x, double y)
 {
     simplifier_flush(simplifier);
-    simplifier->sink.move(simplifier->sink.context, x, y);
+    simplifier->sink.add(simplifier->sink.context, x, y, true);
     simplifier->considered_x = simplifier->last_x = x;
     simplifier->considered_y = simplifier->last_y = y;
     set_anchor(simplifier, x, y);
@@ -74,7 +74,7 @@ void simplifier_consider(path_simplifier *simplifier, double x, double y)
     bool first = simplifier->reach == 0.0;
     if (!first && (!inside || !onwards || simplifier->tolerance == 0.0))
     {
-        simplifier->sink.line(simplifier->sink.context, simplifier->considered_x, simplifier->considered_y);
+        simplifier->sink.add(simplifier->sink.context, simplifier->considered_x, simplifier->considered_y, false);
         set_anchor(simplifier, simplifier->considered_x, simplifier->considered_y);
         dx = x - simplifier->anchor_x;
         dy = y - simplifier->anchor_y;

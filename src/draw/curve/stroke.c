@@ -41,16 +41,8 @@ static void mark(coverage_map *map, double x, double y)
     map->words[row * map->stride + column / 64] |= (uint64_t)1 << column % 64;
 }
 
-static void mark_start(void *context, double x, double y)
-{
-    coverage_map *map = context;
-    mark(map, x, y);
-    map->x = x;
-    map->y = y;
-}
-
-/// Uses steps of a quarter of a cell.
-static void mark_line(void *context, double x, double y)
+/// Lines are marked in steps of a quarter of a cell.
+static void mark_to(void *context, double x, double y, bool begins)
 {
     coverage_map *map = context;
     double dx = x - map->x;
@@ -58,14 +50,16 @@ static void mark_line(void *context, double x, double y)
     double steps = ceil(sqrt(dx * dx + dy * dy) * (4.0 / COVERAGE_CELL));
     double step_x = dx / steps;
     double step_y = dy / steps;
-    for (double i = 1.0; i < steps; i += 1.0)
+    for (double i = 1.0; i < steps && !begins; i += 1.0)
         mark(map, map->x + i * step_x, map->y + i * step_y);
-    mark_start(map, x, y);
+    mark(map, x, y);
+    map->x = x;
+    map->y = y;
 }
 
 path_sink coverage_sink(coverage_map *map)
 {
-    return (path_sink){mark_start, mark_line, map};
+    return (path_sink){mark_to, map};
 }
 
 static bool marked(const coverage_map *map, size_t row, size_t column)
@@ -101,29 +95,15 @@ typedef struct bounded_sink
     double low_x, low_y, high_x, high_y;
 } bounded_sink;
 
-/// Count a point.
-/// @return whether to draw it
-static bool sink_accepts(bounded_sink *sink, double x, double y)
+static void add_bounded(void *context, double x, double y, bool begins)
 {
+    bounded_sink *sink = context;
     sink->low_x = fmin(sink->low_x, x);
     sink->low_y = fmin(sink->low_y, y);
     sink->high_x = fmax(sink->high_x, x);
     sink->high_y = fmax(sink->high_y, y);
-    return ++sink->count <= MANY_POINTS;
-}
-
-static void sink_move(void *context, double x, double y)
-{
-    bounded_sink *sink = context;
-    if (sink_accepts(sink, x, y))
-        cairo_move_to(sink->cairo, x, y);
-}
-
-static void sink_line(void *context, double x, double y)
-{
-    bounded_sink *sink = context;
-    if (sink_accepts(sink, x, y))
-        cairo_line_to(sink->cairo, x, y);
+    if (++sink->count <= MANY_POINTS)
+        (begins ? cairo_move_to : cairo_line_to)(sink->cairo, x, y);
 }
 
 static void trace(const drawn_line *drawn, path_sink sink)
@@ -136,7 +116,7 @@ bat_status stroke_line(cairo_t *cairo, const drawn_line *drawn, line_style line,
 {
     bat_status status = BAT_OK;
     bounded_sink sink = {cairo, 0, INFINITY, INFINITY, -INFINITY, -INFINITY};
-    trace(drawn, (path_sink){sink_move, sink_line, &sink});
+    trace(drawn, (path_sink){add_bounded, &sink});
     if (sink.count > MANY_POINTS)
     {
         coverage_map map;

@@ -11,11 +11,10 @@
 
 // Simplification of paths on the page to a visible accuracy.
 
-/// The receiver of a path: `move` begins a sub-path, `line` continues it.
+/// The receiver of a path, point by point; `begins`: the point begins a sub-path.
 typedef struct path_sink
 {
-    void (*move)(void *context, double x, double y);
-    void (*line)(void *context, double x, double y);
+    void (*add)(void *context, double x, double y, bool begins);
     void *context;
 } path_sink;
 
