@@ -44,24 +44,16 @@ bool mesh_copy_array(const void *from, size_t count, size_t size, void **to)
 
 void mesh_swap_texture(bat_mesh *a, bat_mesh *b)
 {
-    bat_mesh old = *a;
-    a->texture = b->texture;
-    a->texture_faces = b->texture_faces;
-    a->texture_count = b->texture_count;
-    b->texture = old.texture;
-    b->texture_faces = old.texture_faces;
-    b->texture_count = old.texture_count;
+    SWAP(a->texture, b->texture);
+    SWAP(a->texture_faces, b->texture_faces);
+    SWAP(a->texture_count, b->texture_count);
 }
 
 void mesh_swap_channels(bat_mesh *a, bat_mesh *b)
 {
-    bat_mesh old = *a;
-    a->channels = b->channels;
-    a->channel_names = b->channel_names;
-    a->channel_count = b->channel_count;
-    b->channels = old.channels;
-    b->channel_names = old.channel_names;
-    b->channel_count = old.channel_count;
+    SWAP(a->channels, b->channels);
+    SWAP(a->channel_names, b->channel_names);
+    SWAP(a->channel_count, b->channel_count);
 }
 
 void mesh_move_rows(double *values, size_t rows, size_t dim, const uint32_t *numbers)
