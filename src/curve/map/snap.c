@@ -65,14 +65,6 @@ static bool grid_make(size_t dim, double cell, size_t count, cell_grid *grid)
     return grid->heads != NULL;
 }
 
-static void grid_free(cell_grid *grid)
-{
-    free(grid->heads);
-    free(grid->items);
-    free(grid->next);
-    *grid = (cell_grid){0};
-}
-
 static size_t cell_hash(const cell_grid *grid, const double *cell)
 {
     return doubles_hash(cell, grid->dim) & grid->mask;
@@ -558,7 +550,9 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
             status = error_memory(error, snapped->curves[c].count * sizeof(size_t));
     chart_curves_free(&job.charts);
     free(job.added);
-    grid_free(&job.grid);
+    free(job.grid.heads);
+    free(job.grid.items);
+    free(job.grid.next);
     free(job.first);
     free(job.points);
     free(job.targets);

@@ -254,12 +254,6 @@ static bat_status finder_make(const bat_curve *curve, const bat_curve_measure_op
     return metric_tree_build(space, curve->points, curve->count, &made->metric, error);
 }
 
-static void finder_free(finder *made)
-{
-    nearest_free(&made->tree);
-    metric_tree_free(&made->metric);
-}
-
 static double finder_distance(const finder *from, const double *point)
 {
     if (from->by_metric)
@@ -355,7 +349,8 @@ static bat_status compare_one_way(const bat_curve *from, const bat_curve *to, co
         measure_all(&target, from, options->threads, distances, first_piece, work);
         if (shared_work_wants(work, end_piece))
             *result = reduce(distances, from->count);
-        finder_free(&target);
+        nearest_free(&target.tree);
+        metric_tree_free(&target.metric);
     }
     free(distances);
     return status;

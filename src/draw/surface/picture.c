@@ -262,13 +262,6 @@ static bat_status find_highest(const bat_surface_picture_row *rows, size_t count
     return BAT_OK;
 }
 
-static void scene_end(surface_scene *scene)
-{
-    for (size_t r = 0; scene->rows != NULL && r < scene->count; r++)
-        bat_mesh_free(&scene->rows[r].patch);
-    free(scene->rows);
-}
-
 static void find_panels(const bat_surface_picture_row *rows, surface_scene *scene)
 {
     bool has_boundary = false;
@@ -399,6 +392,8 @@ bat_status bat_surface_picture_write(const char *path, const bat_surface_picture
     scene.per_point = format == CANVAS_PNG ? PIXELS_PER_POINT : FINE_PIXELS_PER_POINT;
     if (status == BAT_OK)
         status = write_scene(path, &scene, options->width, error);
-    scene_end(&scene);
+    for (size_t r = 0; scene.rows != NULL && r < scene.count; r++)
+        bat_mesh_free(&scene.rows[r].patch);
+    free(scene.rows);
     return status;
 }

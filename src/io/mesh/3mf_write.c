@@ -227,14 +227,6 @@ static bat_status plan(writer_3mf *writer, const bat_mesh_write_options *options
     return status;
 }
 
-static void plan_free(writer_3mf *writer)
-{
-    label_table_free(&writer->objects);
-    label_table_free(&writer->materials);
-    memory_pool_free(&writer->pool);
-    text_free(&writer->model);
-}
-
 /// Append the vertices of an object, and keep the number of each in it in place of its object's.
 static void put_vertices(writer_3mf *writer, size_t object)
 {
@@ -338,6 +330,9 @@ bat_status mesh_3mf_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     }
     text_free(&types);
     text_free(&relations);
-    plan_free(&writer);
+    label_table_free(&writer.objects);
+    label_table_free(&writer.materials);
+    memory_pool_free(&writer.pool);
+    text_free(&writer.model);
     return status;
 }

@@ -30,15 +30,6 @@ typedef struct xml_surface
     xml_numbers control;
 } xml_surface;
 
-static void xml_surface_free(xml_surface *surface)
-{
-    free(surface->knots[0].values);
-    free(surface->knots[1].values);
-    free(surface->boxes);
-    free(surface->control.values);
-    *surface = (xml_surface){0};
-}
-
 /// Elements of a surface. Other elements are skipped with their content.
 typedef enum xml_element
 {
@@ -455,7 +446,10 @@ bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, 
         *surface = (bat_spline_surface){.space = space, .control = from.control.values, .dimension = from.dimension};
         from.control.values = NULL;
     }
-    xml_surface_free(&from);
+    free(from.knots[0].values);
+    free(from.knots[1].values);
+    free(from.boxes);
+    free(from.control.values);
     return status;
 }
 

@@ -84,12 +84,6 @@ bat_status mesh_learned_pack(const learn_parameters *parameters, mesh_learned *n
     return BAT_OK;
 }
 
-void mesh_learned_free(mesh_learned *network)
-{
-    free(network->memory);
-    *network = (mesh_learned){0};
-}
-
 // A level
 
 typedef struct pass
@@ -538,13 +532,6 @@ bat_status mesh_learned_begin(const mesh_levels *levels, mesh_learned_run *run, 
     }
     *run = (mesh_learned_run){.memory = memory_array(size, 1)};
     return run->memory != NULL ? BAT_OK : error_memory(error, size);
-}
-
-void mesh_learned_end(mesh_learned_run *run)
-{
-    free(run->state);
-    free(run->memory);
-    *run = (mesh_learned_run){0};
 }
 
 /// The states that a level returns: those of its vertices and edges. The last level has the memory of the level before.

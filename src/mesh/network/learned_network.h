@@ -188,12 +188,11 @@ typedef struct mesh_learned
     real *memory; ///< packed weights, then the parameters
 } mesh_learned;
 
-/// Pack weights with the layout of mesh_learned_make(). Release the result with mesh_learned_free().
+/// Pack weights with the layout of mesh_learned_make(). The result needs free() for its memory.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_learned_pack(const learn_parameters *parameters, mesh_learned *network, bat_error *error);
-void mesh_learned_free(mesh_learned *network);
 
-/// What the levels of a mesh share. Release it with mesh_learned_end().
+/// What the levels of a mesh share. Both pointers need free().
 typedef struct mesh_learned_run
 {
     real *state; ///< of the level before: vertices in whole tiles x LEARNED_WIDTH; null before the first; the last
@@ -204,7 +203,6 @@ typedef struct mesh_learned_run
 
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_learned_begin(const mesh_levels *levels, mesh_learned_run *run, bat_error *error);
-void mesh_learned_end(mesh_learned_run *run);
 
 /// Refine a mesh by one level.
 /// @param positions absolute values up to about 1

@@ -41,13 +41,6 @@ static bat_status sharp_begin(const bat_mesh *coarse, const bat_mesh_connectivit
     return status;
 }
 
-static void sharp_end(sharp_level *level)
-{
-    free(level->edge);
-    free(level->vertex);
-    split_mesh_free(&level->own);
-}
-
 /// Go to the next level.
 static bat_status sharp_advance(sharp_level *level, int threads, bat_error *error)
 {
@@ -131,7 +124,8 @@ static bat_status run(const mesh_learned *network, const mesh_levels *levels, co
             memcpy(from, to, 3 * (flaps->vertex_count + flaps->edge_count) * sizeof *from);
         }
     }
-    mesh_learned_end(&shared);
+    free(shared.state);
+    free(shared.memory);
     return status;
 }
 
@@ -161,7 +155,9 @@ static bat_status refine(const bat_mesh_rule *rule, const bat_mesh *coarse, cons
     for (size_t i = 0; i < 3 * all.vertex_count && status == BAT_OK; i++)
         fine->positions[i] /= scale;
     free(from);
-    sharp_end(&sharp);
+    free(sharp.edge);
+    free(sharp.vertex);
+    split_mesh_free(&sharp.own);
     mesh_levels_free(&all);
     return status;
 }
@@ -188,7 +184,7 @@ static bat_status pack(const learn_source *source BAT_UNUSED, const learn_parame
 static void release(void *network)
 {
     if (network != NULL)
-        mesh_learned_free(network);
+        free(((mesh_learned *)network)->memory);
     free(network);
 }
 

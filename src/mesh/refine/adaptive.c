@@ -255,14 +255,6 @@ typedef struct level_part
     memory_pool pool;        ///< of all arrays but the mesh's
 } level_part;
 
-static void part_free(level_part *part)
-{
-    part->mesh.channel_names = NULL;
-    part->mesh.channel_count = 0;
-    bat_mesh_free(&part->mesh);
-    memory_pool_free(&part->pool);
-}
-
 /// Mark faces that share a vertex with one that is split, and count their corners.
 static void mark_part(const adaptive_level *now, bool *near_split, bool *in_part, level_part *part, size_t *corners)
 {
@@ -489,7 +481,10 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
     if (status == BAT_OK)
         note_middles(now, &part, &links, next);
     bat_mesh_connectivity_free(&links);
-    part_free(&part);
+    part.mesh.channel_names = NULL;
+    part.mesh.channel_count = 0;
+    bat_mesh_free(&part.mesh);
+    memory_pool_free(&part.pool);
     return status;
 }
 

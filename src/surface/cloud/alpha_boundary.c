@@ -240,14 +240,6 @@ static const double SHRINK = 0.85;
 /// Maximum angle between the arriving disc and the begin of an arc.
 static const double MAX_ANGLE_ERROR = 1.5707963267948966;
 
-void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
-{
-    for (size_t i = 0; i < cycles->count; i++)
-        free(cycles->cycles[i].points);
-    free(cycles->cycles);
-    *cycles = (alpha_boundary_cycles){0};
-}
-
 typedef struct alpha_boundary_trace
 {
     alpha_boundary_search search;
@@ -422,13 +414,6 @@ static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, 
 }
 
 static const size_t MARK_BLOCK = 65536; ///< points between two reports
-
-void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud)
-{
-    free(cloud->planes);
-    free(cloud->outer);
-    *cloud = (alpha_boundary_cloud){0};
-}
 
 static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t end)
 {

@@ -137,7 +137,9 @@ static bat_status find_loop_by(const alpha_boundary_cloud *cloud, double scale, 
         *loop = *chosen;
         chosen->points = NULL;
     }
-    alpha_boundary_cycles_free(&cycles);
+    for (size_t i = 0; i < cycles.count; i++)
+        free(cycles.cycles[i].points);
+    free(cycles.cycles);
     return status;
 }
 
@@ -154,7 +156,8 @@ static bat_status find_loop_with(const double *points, const nearest_tree *tree,
         status = find_loop_by(&cloud, SMALL_SCALE, &again, loop, NULL);
     for (size_t k = 0; k < sizeof OTHER_SCALES / sizeof *OTHER_SCALES && status == BAT_NO_CONVERGENCE; k++)
         status = find_loop_by(&cloud, OTHER_SCALES[k], &again, loop, NULL);
-    alpha_boundary_cloud_free(&cloud);
+    free(cloud.planes);
+    free(cloud.outer);
     return status;
 }
 

@@ -41,7 +41,7 @@ typedef struct alpha_boundary_plane
     double spacing;            ///< mean spacing of points in the plane; 0: the plane is not known yet
 } alpha_boundary_plane;
 
-/// Points with what does not depend on the disc. Release it with alpha_boundary_cloud_free().
+/// Points with what does not depend on the disc. Both arrays need free().
 typedef struct alpha_boundary_cloud
 {
     const double *points; ///< count x 3
@@ -64,7 +64,6 @@ enum
 /// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY; release `cloud` in all cases
 bat_status alpha_boundary_cloud_make(const double *points, const nearest_tree *tree, size_t plane_points,
                                      bat_progress progress, alpha_boundary_cloud *cloud, bat_error *error);
-void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud);
 
 /// The points, and the workspace of a search. Not thread-safe: every thread needs its own.
 typedef struct alpha_boundary_search
@@ -93,8 +92,6 @@ typedef struct alpha_boundary_cycles
     alpha_boundary_cycle *cycles;
     size_t count, capacity;
 } alpha_boundary_cycles;
-
-void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles);
 
 /// Find all closed polygons with at least three different points along the boundary.
 /// @param scale factor of the radius; traces begin at points that a disc of scale 1 touches

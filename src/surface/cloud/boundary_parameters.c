@@ -90,13 +90,6 @@ typedef struct corner_search
     double *sharpness; ///< sharpness of every point of the loop
 } corner_search;
 
-static void search_free(corner_search *search)
-{
-    memory_pool_free(&search->pool);
-    nearest_free(&search->tree);
-    neighbour_list_free(&search->near);
-}
-
 /// Measure the loop, and take every stride-th point of the cloud.
 static bat_status search_begin(const bat_cloud *cloud, corner_search *search, bat_error *error)
 {
@@ -299,7 +292,9 @@ static bat_status cloud_loop_corners(const bat_cloud *cloud, size_t corners[4], 
         status = measure_at(&search, i, error);
     if (status == BAT_OK)
         status = choose(&search, corners, error);
-    search_free(&search);
+    memory_pool_free(&search.pool);
+    nearest_free(&search.tree);
+    neighbour_list_free(&search.near);
     return status;
 }
 

@@ -27,12 +27,6 @@ typedef struct average_problem
     double *solution; ///< count x 2
 } average_problem;
 
-static void problem_free(average_problem *problem)
-{
-    memory_pool_free(&problem->pool);
-    sparse_rows_free(&problem->weights);
-}
-
 static bat_status number_unknowns(const bat_cloud *cloud, const bool *moved, average_problem *problem, bat_error *error)
 {
     problem->numbers = memory_pool_array(&problem->pool, cloud->count, sizeof *problem->numbers);
@@ -119,7 +113,8 @@ bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const
     }
     if (status == BAT_OK)
         write_solution(cloud, &problem, parameters);
-    problem_free(&problem);
+    memory_pool_free(&problem.pool);
+    sparse_rows_free(&problem.weights);
     return status;
 }
 

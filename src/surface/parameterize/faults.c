@@ -365,13 +365,6 @@ typedef struct repair
     bat_cloud_parameters_report best_report;
 } repair;
 
-static void repair_free(repair *work)
-{
-    sparse_rows_free(&work->rows);
-    memory_pool_free(&work->faults.pool);
-    memory_pool_free(&work->pool);
-}
-
 static bat_status repair_make(const fold_finder *finder, repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &finder->order.cloud;
@@ -506,7 +499,9 @@ bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameter
         memcpy(parameters + 2 * (size_t)finder.order.places[i], work.best + 2 * i, 2 * sizeof *parameters);
     if (status == BAT_OK && report != NULL)
         *report = work.best_report;
-    repair_free(&work);
+    sparse_rows_free(&work.rows);
+    memory_pool_free(&work.faults.pool);
+    memory_pool_free(&work.pool);
     fold_finder_free(&finder);
     return status;
 }

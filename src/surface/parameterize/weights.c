@@ -34,12 +34,6 @@ bat_status weight_scratch_reserve(weight_scratch *scratch, size_t count, bat_err
     return scratch->capacity > 0 ? BAT_OK : error_memory(error, capacity * 2 * sizeof *scratch->planar);
 }
 
-static void weight_chunk_free(weight_chunk *chunk)
-{
-    free(chunk->columns);
-    free(chunk->values);
-}
-
 bat_status weight_chunk_reserve(weight_chunk *chunk, size_t more, bat_error *error)
 {
     if (more <= chunk->capacity - chunk->count)
@@ -133,7 +127,10 @@ bat_status weights_build(const weight_source *source, weight_maker *maker, int t
     if (status == BAT_OK)
         status = join_chunks(chunks, chunk_count, lengths, rows_count, cloud->count, rows, error);
     for (size_t c = 0; chunks != NULL && c < chunk_count; c++)
-        weight_chunk_free(&chunks[c]);
+    {
+        free(chunks[c].columns);
+        free(chunks[c].values);
+    }
     free(chunks);
     free(lengths);
     return status;

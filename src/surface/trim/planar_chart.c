@@ -120,13 +120,6 @@ typedef struct unrolling
     multifrontal *solver;
 } unrolling;
 
-static void unrolling_free(unrolling *work)
-{
-    memory_pool_free(&work->pool);
-    nearest_free(&work->tree);
-    multifrontal_free(work->solver);
-}
-
 static const local_plane *plane_of(const unrolling *work, size_t node)
 {
     return &work->geometry->oriented.planes[work->nodes[node]];
@@ -400,7 +393,9 @@ static bat_status unroll_cloud(const cloud_geometry *geometry, double (*places)[
         status = unroll(&work, error);
     if (status == BAT_OK)
         status = place_points(&work, places, error);
-    unrolling_free(&work);
+    memory_pool_free(&work.pool);
+    nearest_free(&work.tree);
+    multifrontal_free(work.solver);
     return status;
 }
 
