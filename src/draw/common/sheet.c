@@ -31,33 +31,9 @@ double sheet_width(double box_width, size_t columns)
     return 2.0 * MARGIN + box_width * (double)columns + GAP_ACROSS * (double)(columns - 1);
 }
 
-static double row_height(const sheet_content *content, size_t row, double width)
-{
-    double height = MIN_BOX;
-    for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
-        height = fmax(height, content->height(content->context, i, width));
-    return height;
-}
-
 static const char *caption_of(const sheet_content *content, size_t index)
 {
     return content->caption != NULL ? content->caption(content->context, index) : NULL;
-}
-
-static double row_caption(const sheet_content *content, size_t row)
-{
-    bool any = false;
-    for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
-        any = any || text_given(caption_of(content, i));
-    return any ? CAPTION_SPACE : 0.0;
-}
-
-/// Scale the heights of the rows to the remainder of a prescribed page height.
-static void squeeze(layout *plan, double fixed, double natural)
-{
-    double available = plan->height - fixed;
-    for (size_t row = 0; row < plan->rows; row++)
-        plan->heights[row] *= available / natural;
 }
 
 /// Check that the page is large enough for its content.
@@ -103,15 +79,21 @@ static bat_status plan_layout(const sheet_content *content, cairo_t *cairo, layo
     double fixed = 2.0 * MARGIN + plan->title + plan->legend + plan->footer + GAP_DOWN * (double)(plan->rows - 1);
     for (size_t row = 0; row < plan->rows; row++)
     {
-        plan->heights[row] = row_height(content, row, plan->box_width);
-        plan->captions[row] = row_caption(content, row);
+        plan->heights[row] = MIN_BOX;
+        plan->captions[row] = 0;
+        for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
+        {
+            plan->heights[row] = fmax(plan->heights[row], content->height(content->context, i, plan->box_width));
+            if (text_given(caption_of(content, i)))
+                plan->captions[row] = CAPTION_SPACE;
+        }
         natural += plan->heights[row];
         fixed += plan->captions[row];
     }
     bool prescribed = content->options->height > 0.0;
     plan->height = prescribed ? content->options->height : ceil(natural + fixed);
-    if (prescribed)
-        squeeze(plan, fixed, natural);
+    for (size_t row = 0; row < plan->rows && prescribed; row++)
+        plan->heights[row] *= (plan->height - fixed) / natural;
     return check_room(plan, fixed, error);
 }
 

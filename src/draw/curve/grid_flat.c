@@ -11,14 +11,6 @@
 /// The height of the text for the labels' common offset and exponent.
 #define SCALE_SPACE 10.0
 
-static double widest(cairo_t *cairo, const tick_list *ticks)
-{
-    double width = 0.0;
-    for (size_t i = 0; i < ticks->count; i++)
-        width = fmax(width, tick_width(cairo, ticks, i));
-    return width;
-}
-
 /// The offsets and exponents of both axes: each axis has its own offset; the exponent is common.
 static void plane_scales(const scene_frame *frame, tick_scale scales[2])
 {
@@ -77,7 +69,10 @@ static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list 
     double bottom = box[1] + box[3];
     text_use(cairo, TEXT_TICK, false);
     style_use_colour(cairo, COLOUR_MUTED);
-    double every = fmax(1.0, ceil((widest(cairo, across) + 5.0) / (view->scale * across->step)));
+    double widest = 0.0;
+    for (size_t i = 0; i < across->count; i++)
+        widest = fmax(widest, tick_width(cairo, across, i));
+    double every = fmax(1.0, ceil((widest + 5.0) / (view->scale * across->step)));
     for (size_t i = 0; i < across->count; i++)
         if (fmod(round(across->values[i] / across->step), every) == 0.0)
             tick_draw(cairo, across, i, view_x(view, across->values[i]), bottom + 8.0, 0.5);

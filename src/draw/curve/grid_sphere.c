@@ -31,13 +31,6 @@ void grid_globe_sphere(cairo_t *cairo, const draw_view *view, bool sea)
     cairo_pattern_destroy(light);
 }
 
-static void direction(double longitude, double latitude, double *point)
-{
-    point[0] = cos(latitude) * cos(longitude);
-    point[1] = cos(latitude) * sin(longitude);
-    point[2] = sin(latitude);
-}
-
 /// Draw a line from (longitude, latitude) in degrees, along a meridian or, with `parallel`, along the whole parallel.
 static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude, bool parallel)
 {
@@ -51,7 +44,10 @@ static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, 
         double share = (double)i / STEPS;
         double turned = parallel ? longitude + 360.0 * share : longitude;
         double raised = parallel ? latitude : latitude * (1.0 - 2.0 * share);
-        direction(turned * DEGREE, raised * DEGREE, points + (size_t)(3 * i));
+        double *point = points + (size_t)(3 * i);
+        point[0] = cos(raised * DEGREE) * cos(turned * DEGREE);
+        point[1] = cos(raised * DEGREE) * sin(turned * DEGREE);
+        point[2] = sin(raised * DEGREE);
     }
     path_simplifier path = simplifier_begin(canvas_sink(cairo), 0.05);
     view_trace(view, points, STEPS + 1, false, VIEW_FRONT, &path);

@@ -142,14 +142,6 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
     return status;
 }
 
-static scene_frame empty_frame(void)
-{
-    scene_frame frame = {.comb_scale = INFINITY};
-    box_clear(3, frame.box_low, frame.box_high);
-    box_clear(2, frame.low, frame.high);
-    return frame;
-}
-
 static void include_place(scene_frame *frame, double u, double v)
 {
     box_include(2, (const double[]){u, v}, frame->low, frame->high);
@@ -196,25 +188,17 @@ static void include_curves(scene_frame *frame, const scene *made, const scene_pa
     }
 }
 
-/// The typical and the largest length of comb segments, in the unit of the space.
-static void comb_lengths(const scene_frame *frame, view_space space, double *usual, double *longest)
-{
-    double extent = hypot(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
-    bool flat = space == VIEW_PLANE || space == VIEW_SOLID;
-    *usual = flat ? 0.1 * extent : space == VIEW_SPHERE ? 0.3 : 0.5;
-    *longest = 2.5 * *usual;
-}
-
 static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_error *error)
 {
-    double usual, longest;
-    comb_lengths(frame, panel->space, &usual, &longest);
+    double extent = hypot(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
+    bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
+    double usual = flat ? 0.1 * extent : panel->space == VIEW_SPHERE ? 0.3 : 0.5; // in the unit of the space
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
         double scale = INFINITY;
         if (panel->combs != NULL && panel->combs[i].count > 0)
-            status = comb_natural_scale(&panel->combs[i], usual, longest, &scale, error);
+            status = comb_natural_scale(&panel->combs[i], usual, 2.5 * usual, &scale, error);
         frame->comb_scale = fmin(frame->comb_scale, scale);
     }
     return status;
@@ -296,7 +280,9 @@ static void widen(scene_frame *frame)
 static bat_status set_frame(scene *made, size_t index, bat_error *error)
 {
     scene_panel *panel = &made->panels[index];
-    scene_frame frame = empty_frame();
+    scene_frame frame = {.comb_scale = INFINITY};
+    box_clear(3, frame.box_low, frame.box_high);
+    box_clear(2, frame.low, frame.high);
     size_t first, end;
     sharing(made, index, &first, &end);
     for (size_t i = first; i < index; i++)

@@ -60,13 +60,6 @@ static size_t shown_index(const bat_curve *curve, size_t columns, size_t k)
     return shown > 1 ? (k * (curve->count - 1) + (shown - 1) / 2) / (shown - 1) : 0;
 }
 
-/// The parameter of point `index` along the curve, 0 to 1.
-static double share_of(const bat_curve *curve, size_t index)
-{
-    size_t edges = curve->closed ? curve->count : curve->count - 1;
-    return edges > 0 ? (double)index / (double)edges : 0.5;
-}
-
 bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel *panel, bat_error *error)
 {
     for (size_t i = 0; i < panel->layer_count; i++)
@@ -211,10 +204,11 @@ static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_pa
     const bat_curve *curve = panel->source->layers[layer].curve;
     const scene_frame *frame = &panel->frame;
     double y = view_y(view, -ROW_SPACING * (double)layer);
+    size_t edges = curve->closed ? curve->count : curve->count - 1;
     for (size_t k = 0; k < shown_of(curve, frame->tensor_columns); k++)
     {
         size_t index = shown_index(curve, frame->tensor_columns, k);
-        double share = share_of(curve, index);
+        double share = edges > 0 ? (double)index / (double)edges : 0.5; // of the way along the curve
         ellipsoid drawn;
         bat_status status = ellipsoid_of(curve, index, frame->tensor_unit, &drawn, error);
         if (status != BAT_OK)

@@ -176,14 +176,6 @@ static const char *point_fault(view_space space, const double *point, size_t poi
     return space == VIEW_DISK && square >= 1.0 ? "is not inside the unit disk" : NULL;
 }
 
-/// The same for points of spaces that are drawn by a proxy or as tensors.
-static const char *foreign_fault(const bat_space *space, const double *point, char *text, size_t size)
-{
-    const char *fault = space->fault(space, point);
-    (void)snprintf(text, size, "is %s", fault != NULL ? fault : "");
-    return fault != NULL ? text : NULL;
-}
-
 static bool antipodal(const double *p, const double *q)
 {
     const double limit = 1e-10;
@@ -206,8 +198,12 @@ bat_status view_check(const bat_curve *curve, bat_error *error)
         char text[128];
         const double *point = curve->points + i * dim;
         const char *fault = point_fault(space, point, dim);
-        if (fault == NULL && space >= VIEW_TENSOR)
-            fault = foreign_fault(curve->space, point, text, sizeof text);
+        const char *foreign = fault == NULL && space >= VIEW_TENSOR ? curve->space->fault(curve->space, point) : NULL;
+        if (foreign != NULL)
+        {
+            (void)snprintf(text, sizeof text, "is %s", foreign);
+            fault = text;
+        }
         if (fault != NULL)
             return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu %s", i, fault);
     }

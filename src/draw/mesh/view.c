@@ -15,17 +15,6 @@
 /// Meshes are flat when their upward extent, relative to the horizontal one, is smaller.
 #define FLAT_SHARE 0.25
 
-/// The axes of space as (towards longitude 0, towards longitude pi/2, upwards), right-handed.
-static void axes_of(bat_mesh_up up, int axes[3])
-{
-    static const int AXES[4][3] = {[BAT_MESH_UP_AUTO] = {2, 0, 1},
-                                   [BAT_MESH_UP_X] = {1, 2, 0},
-                                   [BAT_MESH_UP_Y] = {2, 0, 1},
-                                   [BAT_MESH_UP_Z] = {0, 1, 2}};
-    for (int i = 0; i < 3; i++)
-        axes[i] = AXES[up][i];
-}
-
 /// The second moments of the surface about its centroid, with faces as points at their centroids, in the order of `axes`.
 static void moments_of(const bat_mesh *mesh, const int axes[3], double moments[3][3])
 {
@@ -82,8 +71,12 @@ static double automatic_longitude(double moments[3][3])
 
 mesh_view mesh_view_of(const bat_mesh *mesh, const bat_mesh_picture_options *options)
 {
-    int axes[3];
-    axes_of(options->up, axes);
+    // The axes of space as (towards longitude 0, towards longitude pi/2, upwards), right-handed.
+    static const int AXES[4][3] = {[BAT_MESH_UP_AUTO] = {2, 0, 1},
+                                   [BAT_MESH_UP_X] = {1, 2, 0},
+                                   [BAT_MESH_UP_Y] = {2, 0, 1},
+                                   [BAT_MESH_UP_Z] = {0, 1, 2}};
+    const int *axes = AXES[options->up];
     double longitude = options->longitude, latitude = options->latitude;
     if (isnan(longitude) || isnan(latitude))
     {

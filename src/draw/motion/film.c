@@ -126,7 +126,6 @@ static bat_status sample(const film *shown, film_track *track, size_t parts, bat
     bat_motion_keys keys = bat_motion_spline_keys(track->spline);
     double end = keys.end;
     memcpy(track->key_times, keys.times, keys.count * sizeof *keys.times);
-    track->key_points = keys.points;
     track->deviations = keys.deviations;
     for (size_t i = 0; i < track->count; i++)
     {

@@ -25,8 +25,8 @@ typedef struct film_track
     size_t key_count;
     const double *given; ///< the points of the keyframes, key_count x point_dim
     double *key_times;
-    const double *key_points, *deviations; ///< the spline's
-    size_t count;                          ///< of samples
+    const double *deviations; ///< the spline's
+    size_t count;             ///< of samples
     double *times, *points, *velocities;
     double *speeds, *turns;         ///< lengths of velocities; angular speeds in degrees; null where there are none
     double *key_speeds, *key_turns; ///< the same at the keyframes
