@@ -42,25 +42,6 @@ typedef struct gltf_primitive
     bool strip;   ///< degenerate triangles are part of strips and no fault
 } gltf_primitive;
 
-static void primitive_free(gltf_primitive *primitive)
-{
-    gltf_values_free(&primitive->positions);
-    gltf_values_free(&primitive->texture);
-    gltf_values_free(&primitive->colours);
-    gltf_values_free(&primitive->indices);
-    free(primitive->vertices);
-    free(primitive->textures);
-}
-
-static void reader_free(gltf_reader *reader)
-{
-    for (size_t i = 0; i < reader->material_count; i++)
-        free(reader->materials[i]);
-    free(reader->materials);
-    mesh_builder_free(&reader->builder);
-    gltf_close(&reader->document);
-}
-
 // Primitives
 
 /// Read the accessor that a member names, if there is one.
@@ -97,22 +78,6 @@ static bat_status read_values(gltf_reader *reader, const json_t *object, gltf_pr
     return status;
 }
 
-/// The image of a vertex in the scene.
-static void transform(const double matrix[12], const double *point, double image[3])
-{
-    for (int i = 0; i < 3; i++)
-        image[i] =
-            matrix[4 * i] * point[0] + matrix[4 * i + 1] * point[1] + matrix[4 * i + 2] * point[2] + matrix[4 * i + 3];
-}
-
-/// The colour of a vertex in the builder's form: white and opaque where the primitive has none.
-static void colour_of(const gltf_reader *reader, const gltf_primitive *primitive, size_t local, double colour[4])
-{
-    const gltf_values *values = &primitive->colours;
-    for (size_t k = 0; k < reader->colours; k++)
-        colour[k] = k < values->components ? values->numbers[local * values->components + k] : 1.0;
-}
-
 /// Find or add the builder's vertex of a primitive's vertex.
 static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, size_t local, uint32_t *vertex,
                               bat_error *error)
@@ -122,10 +87,14 @@ static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, si
     *vertex = primitive->vertices[local];
     if (*vertex != BAT_MESH_NONE)
         return BAT_OK;
-    transform(primitive->instance->matrix, primitive->positions.numbers + 3 * local, image);
+    const double *point = primitive->positions.numbers + 3 * local, *m = primitive->instance->matrix;
+    for (int i = 0; i < 3; i++)
+        image[i] = m[4 * i] * point[0] + m[4 * i + 1] * point[1] + m[4 * i + 2] * point[2] + m[4 * i + 3];
     if (!isfinite(image[0]) || !isfinite(image[1]) || !isfinite(image[2]))
         return gltf_fault(primitive->place, error, "a vertex is not finite in the scene");
-    colour_of(reader, primitive, local, colour);
+    const gltf_values *colours = &primitive->colours;
+    for (size_t k = 0; k < reader->colours; k++) // white and opaque where the primitive has none
+        colour[k] = k < colours->components ? colours->numbers[local * colours->components + k] : 1.0;
     reader->tally.vertices++;
     if (builder->mesh.vertex_count >= BAT_MESH_NONE - 1)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the scene has more than %zu vertices",
@@ -310,7 +279,12 @@ static bat_status read_primitive(gltf_reader *reader, const gltf_instance *insta
             status = add_triangles(reader, &primitive, mode, error);
         }
     }
-    primitive_free(&primitive);
+    gltf_values_free(&primitive.positions);
+    gltf_values_free(&primitive.texture);
+    gltf_values_free(&primitive.colours);
+    gltf_values_free(&primitive.indices);
+    free(primitive.vertices);
+    free(primitive.textures);
     return status;
 }
 
@@ -435,6 +409,10 @@ bat_status mesh_gltf_read(const file_text *text, const bat_mesh_read_options *op
         status = read_scene(&reader, error);
     if (status == BAT_OK)
         status = mesh_builder_finish(&reader.builder, options, mesh, error);
-    reader_free(&reader);
+    for (size_t i = 0; i < reader.material_count; i++)
+        free(reader.materials[i]);
+    free(reader.materials);
+    mesh_builder_free(&reader.builder);
+    gltf_close(&reader.document);
     return status;
 }

@@ -20,21 +20,18 @@ enum
     ARRAYS = 5, ///< arrays of a file
 };
 
-/// Store the shape of a collapse as in a file.
-static void put_shape(const map_collapse *collapse, uint8_t *shape)
-{
-    const uint8_t numbers[SHAPE] = {collapse->count, collapse->vanishing, collapse->j_begin, collapse->j_end,
-                                    collapse->closed};
-    memcpy(shape, numbers, sizeof numbers);
-}
-
 bat_status bat_mesh_map_write(const char *path, const bat_mesh_map *map, bat_error *error)
 {
     uint8_t *shapes = memory_array(map->collapse_count, SHAPE);
     if (shapes == NULL)
         return error_memory(error, map->collapse_count * SHAPE);
     for (size_t c = 0; c < map->collapse_count; c++)
-        put_shape(&map->collapses[c], shapes + SHAPE * c);
+    {
+        const map_collapse *collapse = &map->collapses[c];
+        const uint8_t numbers[SHAPE] = {collapse->count, collapse->vanishing, collapse->j_begin, collapse->j_end,
+                                        collapse->closed};
+        memcpy(shapes + SHAPE * c, numbers, sizeof numbers);
+    }
     const int64_t sizes[SIZES] = {(int64_t)map->fine_vertices, (int64_t)map->fine_faces,  (int64_t)map->coarse_vertices,
                                   (int64_t)map->coarse_faces,  (int64_t)map->fine_digest, (int64_t)map->coarse_digest};
     safetensors_array arrays[ARRAYS] = {

@@ -34,12 +34,6 @@ static const char *const WORDS[MESH_LABEL_NAMES] = {"o", "g", "usemtl", "s"};
 
 static const int SMOOTHING = 3;
 
-static void obj_labels_free(obj_labels *labels)
-{
-    text_free(&labels->files);
-    *labels = (obj_labels){0};
-}
-
 static label_name rest_of_line(word_scan *scan)
 {
     scan_skip_blanks(scan);
@@ -151,15 +145,6 @@ static bat_status obj_labels_check(const bat_mesh *mesh, bat_error *error)
                                          text_excerpt(excerpt, name, name + strlen(name)));
         }
     return BAT_OK;
-}
-
-/// Append the statement `mtllib`, if the mesh names files of materials.
-static void obj_labels_write_files(const bat_mesh *mesh, text_buffer *text)
-{
-    if (mesh->material_files == NULL)
-        return;
-    TEXT_APPEND(text, "mtllib ", mesh->material_files);
-    text_append(text, "\n", 1);
 }
 
 static bool same_text(const char *a, const char *b)
@@ -540,7 +525,7 @@ static bat_status read_joined(const file_text *text, const bat_mesh_read_options
     while (status == BAT_OK && scan_next_line(&reader.scan));
     if (status == BAT_OK)
         status = obj_labels_finish(&reader.labels, &reader.builder, options->notes, error);
-    obj_labels_free(&reader.labels);
+    text_free(&reader.labels.files);
     if (status != BAT_OK)
     {
         mesh_builder_free(&reader.builder);
@@ -692,7 +677,8 @@ bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     plan.colours = mesh_colours(mesh, plan.places);
     text_buffer files = {0};
     bat_status status = obj_labels_check(mesh, error);
-    obj_labels_write_files(mesh, &files);
+    if (mesh->material_files != NULL)
+        TEXT_APPEND(&files, "mtllib ", mesh->material_files, "\n");
     status = sink_take(sink, &files, status, error);
     const struct
     {

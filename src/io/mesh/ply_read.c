@@ -39,16 +39,6 @@ typedef struct ply_reader
     size_t face_capacity;
 } ply_reader;
 
-static void reader_free(ply_reader *reader)
-{
-    ply_header_free(&reader->header);
-    mesh_builder_free(&reader->builder);
-    free(reader->places);
-    free(reader->row);
-    free(reader->labels);
-    free(reader->face);
-}
-
 static size_t line_of(const ply_reader *reader)
 {
     return reader->source.encoding == PLY_TEXT ? reader->source.scan.line : 0;
@@ -349,15 +339,6 @@ static bat_status read_texture(ply_reader *reader, const ply_element *element, s
     return BAT_OK;
 }
 
-/// Add the corners of a face; its texture coordinates, if any, belong to the vertices.
-static bat_status add_corners(ply_reader *reader, size_t size, bat_error *error)
-{
-    for (size_t i = 0; i < size; i++)
-        if (!mesh_builder_corner(&reader->builder, reader->face[i], reader->textured ? reader->face[i] : BAT_MESH_NONE))
-            return mesh_builder_no_memory(&reader->builder, error);
-    return BAT_OK;
-}
-
 /// Read the label of a face.
 static bat_status read_label(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
 {
@@ -396,7 +377,9 @@ static bat_status read_face(ply_reader *reader, const ply_element *element, size
     if (reader->texture_at < element->property_count)
         status = read_texture(reader, element, row, texture_place, size, error);
     else
-        status = add_corners(reader, size, error);
+        for (size_t i = 0; i < size && status == BAT_OK; i++)
+            if (!mesh_builder_corner(&reader->builder, reader->face[i], reader->textured ? reader->face[i] : BAT_MESH_NONE))
+                status = mesh_builder_no_memory(&reader->builder, error);
     if (status == BAT_OK && !mesh_builder_end_face(&reader->builder, (uint32_t)size))
         status = mesh_builder_no_memory(&reader->builder, error);
     return status;
@@ -513,7 +496,12 @@ static bat_status read_ply(const file_text *text, const bat_mesh_read_options *o
         if (status != BAT_OK && reader.source.encoding == PLY_TEXT && error != NULL && error->index != BAT_NO_INDEX)
             error->line = line_of_face(&reader, error->index);
     }
-    reader_free(&reader);
+    ply_header_free(&reader.header);
+    mesh_builder_free(&reader.builder);
+    free(reader.places);
+    free(reader.row);
+    free(reader.labels);
+    free(reader.face);
     return status;
 }
 

@@ -213,15 +213,6 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
     return status;
 }
 
-/// The number of points of the cloud that are among the first `count` points of the input.
-static size_t count_distinct(const bat_cloud *cloud, size_t count)
-{
-    size_t distinct = 0;
-    while (distinct < cloud->count && cloud->order[distinct] < count)
-        distinct++;
-    return distinct;
-}
-
 static bat_status check_boundary_count(size_t boundary_count, size_t count, bat_status status, size_t line, bat_error *error)
 {
     static const int MIN_BOUNDARY = 4;
@@ -246,7 +237,10 @@ static bat_status apply_remarks(const cloud_source *source, const bat_cloud_read
                              by_option ? 0 : remarks.boundary_line, error);
     if (status != BAT_OK)
         return status;
-    cloud->boundary_count = count_distinct(cloud, boundary_count);
+    size_t distinct = 0;
+    while (distinct < cloud->count && cloud->order[distinct] < boundary_count)
+        distinct++;
+    cloud->boundary_count = distinct;
     bool rising = remarks.has_corners && remarks.corners[3] < boundary_count;
     for (int k = 1; k < 4; k++)
         rising = rising && remarks.corners[k - 1] < remarks.corners[k];
@@ -353,17 +347,6 @@ static bat_status read_file(const char *path, const bat_limits *limits, bat_clou
     return status;
 }
 
-/// Set the corners of the options, on a boundary that is found where it is not known.
-static bat_status place_corners(const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    if (options->corners == NULL)
-        return BAT_OK;
-    if (cloud->boundary_count == 0)
-        status = bat_cloud_find_boundary(cloud, error);
-    return status == BAT_OK ? bat_cloud_set_corners(cloud, options->corners, error) : status;
-}
-
 bat_cloud_read_options bat_cloud_read_defaults(void)
 {
     return (bat_cloud_read_options){.format = BAT_CLOUD_FORMAT_AUTO};
@@ -412,8 +395,10 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
                                  options, &made, error);
     file_text_free(&text);
     file_text_free(&boundary_text);
-    if (status == BAT_OK)
-        status = place_corners(options, &made, error);
+    if (status == BAT_OK && options->corners != NULL && made.boundary_count == 0)
+        status = bat_cloud_find_boundary(&made, error);
+    if (status == BAT_OK && options->corners != NULL)
+        status = bat_cloud_set_corners(&made, options->corners, error);
     if (status == BAT_OK)
         *cloud = made;
     else

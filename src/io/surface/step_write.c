@@ -268,16 +268,6 @@ static uint32_t write_surface(step_text *step, const tensor_surface *patch)
     return surface;
 }
 
-static void write_vertices(step_text *step, const step_model *model, step_entities *entities)
-{
-    for (size_t v = 0; v < model->shell.vertex_count; v++)
-        if (model->same[v] == v)
-        {
-            uint32_t point = write_point(step, model->points + 3 * v, 3);
-            entities->vertices[v] = write_entity(step, "VERTEX_POINT('',#%u)", point);
-        }
-}
-
 static void write_edges(step_text *step, const step_model *model, step_entities *entities)
 {
     for (size_t e = 0; e < model->shell.edge_count; e++)
@@ -483,7 +473,10 @@ static bat_status write_file(const step_model *model, const trimmed_model *trimm
             write_trimmed_face(&step, trimmed, &entities);
         else
         {
-            write_vertices(&step, model, &entities);
+            for (size_t v = 0; v < shell->vertex_count; v++)
+                if (model->same[v] == v)
+                    entities.vertices[v] =
+                        write_entity(&step, "VERTEX_POINT('',#%u)", write_point(&step, model->points + 3 * v, 3));
             write_edges(&step, model, &entities);
             write_faces(&step, model, &entities);
         }

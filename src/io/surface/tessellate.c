@@ -81,12 +81,6 @@ static bat_status begin_lattice(const bat_spline_surface *surface, size_t sample
     return memory_pool_check(&made->pool, error);
 }
 
-static void end_lattice(lattice *grid)
-{
-    key_map_free(&grid->vertices);
-    free(grid->places);
-}
-
 /// Add the quads of a cell; `quad` is the number of the first. False when out of memory.
 static bool sample_cell(lattice *grid, const bat_spline_box *cell, surface_tessellation *made, size_t quad)
 {
@@ -329,12 +323,6 @@ typedef struct cut_points
     double scale[2];
 } cut_points;
 
-static void cut_free(cut_points *cut)
-{
-    free(cut->places);
-    free(cut->next);
-}
-
 static bool add_point(cut_points *cut, double x, double y, uint32_t next)
 {
     if (!ARRAY_GROW(cut->places, cut->place_capacity, cut->count + 1) ||
@@ -467,14 +455,6 @@ static bat_status gather_places(const surface_tessellation *grid, const trim_reg
     return status;
 }
 
-/// Set positions and normals of vertices with parameters.
-static bat_status tessellation_evaluate(const bat_spline_surface *surface, surface_tessellation *tessellation,
-                                        bat_error *error)
-{
-    bat_status status = evaluate(surface, tessellation, error);
-    return status == BAT_OK ? repair_normals(surface, tessellation, error) : status;
-}
-
 static bat_status store(const bat_spline_surface *surface, const trim_region *region, const cut_points *cut,
                         const double (*places)[2], size_t count, surface_tessellation *made, bat_error *error)
 {
@@ -515,7 +495,9 @@ static bat_status store(const bat_spline_surface *surface, const trim_region *re
     kept.grid_count = kept.vertex_count;
     simplices_free(&found);
     if (status == BAT_OK)
-        status = tessellation_evaluate(surface, &kept, error);
+        status = evaluate(surface, &kept, error);
+    if (status == BAT_OK)
+        status = repair_normals(surface, &kept, error);
     if (status != BAT_OK)
     {
         tessellation_free(&kept);
@@ -575,7 +557,8 @@ static bat_status tessellation_cut(const bat_spline_surface *surface, size_t sam
         status = store(surface, &region, &cut, (const double(*)[2])places, count, made, error);
     if (status == BAT_OK && made->triangle_count == 0)
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the trimming curves leave no triangle of the surface");
-    cut_free(&cut);
+    free(cut.places);
+    free(cut.next);
     trim_region_free(&region);
     return status;
 }
@@ -596,7 +579,8 @@ bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples,
         status = triangulate(&grid, &made, error);
     if (status == BAT_OK)
         status = repair_normals(surface, &made, error);
-    end_lattice(&grid);
+    key_map_free(&grid.vertices);
+    free(grid.places);
     if (status == BAT_OK && surface->trim.loop_count > 0)
         status = tessellation_cut(surface, samples, &made, error);
     if (status == BAT_OK)
