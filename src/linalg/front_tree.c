@@ -161,15 +161,6 @@ static bool worth_merging(const analysis *work, int child, int parent)
     return width <= NARROW || (width <= MEDIUM && share < 0.8) || (width <= WIDE && share < 0.1) || share < 0.05;
 }
 
-static void merge_fronts(analysis *work)
-{
-    for (int i = 0; i < (int)work->count; i++)
-        if (work->front[i] == i)
-            for (int child = work->head[i]; child != NONE; child = work->next[child])
-                if (worth_merging(work, child, i))
-                    merge(work, child, i);
-}
-
 /// Number the fronts in postorder.
 /// @return how many there are
 static size_t number_fronts(analysis *work)
@@ -348,7 +339,10 @@ bat_status front_tree_make(const symmetric_pattern *pattern, front_tree *tree, b
         merge_columns(&work);
         resolve_fronts(&work);
         list_children(&work);
-        merge_fronts(&work);
+        for (int i = 0; i < (int)work.count; i++)
+            for (int child = work.front[i] == i ? work.head[i] : NONE; child != NONE; child = work.next[child])
+                if (worth_merging(&work, child, i))
+                    merge(&work, child, i);
         resolve_fronts(&work);
         list_children(&work);
         status = allocate_tree(pattern->count, number_fronts(&work), (size_t)pattern->first[pattern->count], tree, error);

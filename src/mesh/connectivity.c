@@ -45,14 +45,6 @@ static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-/// Count the faces at every vertex.
-static void count_faces(const corner_list *list, uint32_t *faces_at)
-{
-    memset(faces_at, 0, list->vertex_count * sizeof *faces_at);
-    for (size_t i = 0; i < list->count; i++)
-        faces_at[list->faces[i]]++;
-}
-
 /// Find the twin of every half-edge. Each edge hangs its half-edges in a chain at its end with fewer faces. A half-edge
 /// searches the chain for its twin among the earlier ones. All chains together are at most as long as the mesh times its
 /// arboricity (Chiba and Nishizeki, 1985), which is at most 3 for planar meshes.
@@ -163,7 +155,9 @@ bat_status sides_connect(const mesh_sides *sides, const uint32_t *faces, size_t 
         status = error_memory(error, list->count * sizeof *made.twin);
     if (status == BAT_OK)
     {
-        count_faces(list, faces_at);
+        memset(faces_at, 0, list->vertex_count * sizeof *faces_at);
+        for (size_t i = 0; i < list->count; i++)
+            faces_at[list->faces[i]]++;
         // `first` and `edge` serve as workspace until number_edges() fills them.
         status = join_twins(list, faces_at, made.twin, made.first, made.edge, work, error);
     }

@@ -93,12 +93,6 @@ static void put_triangle(uint32_t **out, size_t a, size_t b, size_t c)
     *out += 3;
 }
 
-static void put_fan(uint32_t *out, size_t count)
-{
-    for (size_t i = 1; i + 1 < count; i++)
-        put_triangle(&out, 0, i, i + 1);
-}
-
 /// The lower quality of two triangles: area over squared edge lengths, largest for equilateral triangles.
 static double min_quality(corner_triangle a, corner_triangle b)
 {
@@ -194,7 +188,8 @@ static bool cut_polygon(const double *positions, const uint32_t *corners, size_t
     if (count == 4)
         cut_quad(&polygon, triangles);
     else if (count == 3 || is_convex(&polygon))
-        put_fan(triangles, count);
+        for (size_t i = 1; i + 1 < count; i++)
+            put_triangle(&triangles, 0, i, i + 1);
     else if (count > MAX_EARS)
         return false;
     else

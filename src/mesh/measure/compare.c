@@ -462,12 +462,6 @@ static bat_status plan_samples(compare_side *side, const char *which, size_t sam
     return BAT_OK;
 }
 
-/// The face of a sample, as an index in the tree's order.
-static size_t face_of(const compare_side *side, size_t sample)
-{
-    return bisect_sizes(side->samples, 0, side->mesh.face_count, sample);
-}
-
 /// Sample `i` of a face whose edges are divided into `parts`. Row r of small triangles, from corner 0, has 2 r + 1
 /// triangles, which point alternately towards corner 0 and away from it. Column c is offset by c parts of the edge from
 /// corner 1 to corner 2.
@@ -499,7 +493,7 @@ static void measure_samples(const compare_way *way, size_t block, compare_tally 
     size_t i = block * COMPARE_BLOCK, count = side->samples[side->mesh.face_count];
     size_t end = count - i < COMPARE_BLOCK ? count : i + COMPARE_BLOCK;
     *tally = (compare_tally){.greatest = -1};
-    for (size_t f = face_of(side, i); i < end; f++)
+    for (size_t f = bisect_sizes(side->samples, 0, side->mesh.face_count, i); i < end; f++)
     {
         uint32_t face = side->tree.faces[f], place = side->places[side->mesh.faces[3 * (size_t)face]];
         double area = area_of(side, face), parts = parts_of(side, area), weight = area / (POINTS * parts * parts);
@@ -550,18 +544,12 @@ static size_t blocks_of(size_t count)
     return (count + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
 }
 
-static size_t smaller_of(size_t a, size_t b)
-{
-    return a < b ? a : b;
-}
-
 static void measure_vertices(const compare_way *way, size_t block, compare_tally *tally)
 {
     const compare_side *from = way->from, *onto = way->onto;
     uint32_t place = 0;
-    size_t end = smaller_of(from->vertex_count, (block + 1) * COMPARE_BLOCK);
     *tally = (compare_tally){.greatest = -1};
-    for (size_t i = block * COMPARE_BLOCK; i < end; i++)
+    for (size_t i = block * COMPARE_BLOCK; i < (block + 1) * COMPARE_BLOCK && i < from->vertex_count; i++)
     {
         uint32_t vertex = from->vertices[i];
         const double *point = from->mesh.positions + 3 * (size_t)vertex;

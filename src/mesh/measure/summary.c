@@ -58,15 +58,6 @@ static void mark_edges(const bat_mesh *mesh, edge_groups *groups)
     groups->count = edges;
 }
 
-/// @param starts workspace: one number more than there are vertices
-static void edge_groups_fill(const bat_mesh *mesh, size_t *starts, edge_groups *groups)
-{
-    size_t half_edges = 3 * mesh->face_count;
-    counting_sort(NULL, half_edges, greater_end, mesh->faces, mesh->vertex_count, starts, groups->begin);
-    counting_sort(groups->begin, half_edges, lesser_end, mesh->faces, mesh->vertex_count, starts, groups->order);
-    mark_edges(mesh, groups);
-}
-
 /// The connectivity of a mesh.
 typedef struct topology
 {
@@ -95,7 +86,9 @@ static bat_status topology_make(const bat_mesh *mesh, topology *made, bat_error 
         return status;
     sets_begin(made->vertex_sets, vertices);
     sets_begin(made->fans, corners);
-    edge_groups_fill(mesh, starts, &made->edges);
+    counting_sort(NULL, corners, greater_end, mesh->faces, vertices, starts, made->edges.begin);
+    counting_sort(made->edges.begin, corners, lesser_end, mesh->faces, vertices, starts, made->edges.order);
+    mark_edges(mesh, &made->edges);
     return BAT_OK;
 }
 

@@ -50,16 +50,6 @@ static uint32_t flaps_around(const uint32_t *faces, const bat_mesh_connectivity 
     }
 }
 
-static void find_pairs(mesh_flaps *flaps)
-{
-    memset(flaps->of_edge, 0xff, flaps->edge_count * sizeof *flaps->of_edge);
-    for (uint32_t f = 0; f < flaps->count; f++)
-    {
-        uint32_t *pair = flaps->of_edge[flaps->flap[f].edge];
-        pair[pair[0] == BAT_MESH_NONE ? 0 : 1] = f;
-    }
-}
-
 /// Find the half-flaps of a mesh, in arrays of the pool.
 /// @return BAT_OK or BAT_NO_MEMORY; `flaps` is untouched on failure
 static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, memory_pool *pool,
@@ -79,7 +69,12 @@ static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connecti
     for (size_t v = 0; v < vertices; v++)
         made.first[v + 1] = made.first[v] + flaps_around(faces, connectivity, v, made.flap + made.first[v]);
     assert(made.first[vertices] == count);
-    find_pairs(&made);
+    memset(made.of_edge, 0xff, made.edge_count * sizeof *made.of_edge);
+    for (uint32_t f = 0; f < made.count; f++)
+    {
+        uint32_t *pair = made.of_edge[made.flap[f].edge];
+        pair[pair[0] == BAT_MESH_NONE ? 0 : 1] = f;
+    }
     *flaps = made;
     return BAT_OK;
 }

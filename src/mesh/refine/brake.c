@@ -185,18 +185,13 @@ static bool is_solid(const mesh_shape *shape)
     return sharp && 2 * flat >= vertices;
 }
 
-static double diagonal_of(const bat_mesh *mesh)
-{
-    double low[3], high[3];
-    box_of_points(3, mesh->positions, mesh->vertex_count, low, high);
-    return vector3_distance(low, high);
-}
-
 /// Release the pool of the result, also on failure.
 static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, mesh_shape *shape, bat_error *error)
 {
     size_t faces = level->links->face_count, edges = level->links->edge_count, vertices = level->links->vertex_count;
-    *shape = (mesh_shape){.level = level, .positions = mesh->positions, .tolerance = FLATNESS * diagonal_of(mesh)};
+    double low[3], high[3];
+    box_of_points(3, mesh->positions, mesh->vertex_count, low, high);
+    *shape = (mesh_shape){.level = level, .positions = mesh->positions, .tolerance = FLATNESS * vector3_distance(low, high)};
     memory_pool *pool = &shape->pool;
     shape->normal = memory_pool_array(pool, faces, sizeof *shape->normal);
     shape->height = memory_pool_array(pool, faces, sizeof *shape->height);

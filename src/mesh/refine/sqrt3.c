@@ -83,13 +83,6 @@ static void faces_range(const void *context, size_t begin, size_t end)
     }
 }
 
-/// Write the 3 x face_count faces of the next level.
-static void sqrt3_faces(const sqrt3_plan *plan, int threads, uint32_t *fine)
-{
-    faces_job job = {plan, fine};
-    mesh_share(faces_range, &job, plan->links->face_count, threads);
-}
-
 typedef struct rows_job
 {
     const sqrt3_plan *plan;
@@ -226,7 +219,8 @@ bat_status sqrt3_refine(const bat_mesh *mesh, const bat_mesh_connectivity *links
         sqrt3_rule(&plan, mesh->positions, fine->positions, 3, threads);
         if (channels > 0)
             sqrt3_rule(&plan, mesh->channels, fine->channels, channels, threads);
-        sqrt3_faces(&plan, threads, fine->faces);
+        faces_job job = {&plan, fine->faces};
+        mesh_share(faces_range, &job, plan.links->face_count, threads);
     }
     free(plan.new_vertex);
     return status;

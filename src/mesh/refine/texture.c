@@ -226,11 +226,6 @@ static double dependent_weight(const texture_rows *rows, const value_ring *ring,
     return 1;
 }
 
-static void copy_value(const texture_rows *rows, uint32_t value)
-{
-    memcpy(rows->to + 2 * (size_t)value, rows->from + 2 * (size_t)value, 2 * sizeof *rows->to);
-}
-
 /// Compute the coordinate of a span that is a corner in part.
 static void blend_span(const texture_rows *rows, const value_ring *ring, const value_span *span, double corner)
 {
@@ -255,7 +250,7 @@ static void divided_vertex(const texture_rows *rows, uint32_t vertex, value_ring
         const value_span *span = &ring->spans[i];
         if (all || span->disjoint || (fixed && span->size == 1))
         {
-            copy_value(rows, span->value);
+            memcpy(rows->to + 2 * (size_t)span->value, rows->from + 2 * (size_t)span->value, 2 * sizeof *rows->to);
             continue;
         }
         double corner = dependent_weight(rows, ring, i, own);
