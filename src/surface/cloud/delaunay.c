@@ -18,12 +18,6 @@ void simplices_free(simplices *made)
     *made = (simplices){0};
 }
 
-static double doubled_area(const double (*planar)[2], const uint32_t corners[3])
-{
-    const double *a = planar[corners[0]], *b = planar[corners[1]], *c = planar[corners[2]];
-    return vector2_turn(a, b, c);
-}
-
 /// Copy the facets of the lower hull. Null when out of memory, or where a facet is no simplex.
 static uint32_t *gather(qhT *qh, size_t dimension, size_t points, size_t *count)
 {
@@ -98,7 +92,7 @@ bat_status planar_delaunay(const double (*planar)[2], size_t count, simplices *t
     {
         uint32_t corners[3];
         memcpy(corners, triangles->corners + 3 * t, sizeof corners);
-        double area = doubled_area(planar, corners);
+        double area = vector2_turn(planar[corners[0]], planar[corners[1]], planar[corners[2]]);
         if (area == 0)
             continue;
         if (area < 0)

@@ -139,12 +139,6 @@ typedef struct mark_choice
     int rings;
 } mark_choice;
 
-/// Width of a cell with its rings, in cells.
-static size_t side_of(const mark_choice *choice)
-{
-    return 2 * (size_t)choice->rings + 1;
-}
-
 /// A cell and the active cells of the same level in its rings. Coarser cells in the rings are not refined: they would be
 /// refined through several levels at once, which costs more functions than it reduces the error.
 /// @param boxes receives up to side_of()^2 boxes
@@ -176,7 +170,7 @@ static size_t surround(const mark_choice *choice, bat_spline_box cell, bat_splin
 static bat_status refine_first(const mark_choice *choice, size_t count, size_t most, size_t *functions,
                                bat_hierarchical_space **refined, bat_error *error)
 {
-    size_t side = side_of(choice), boxes_count = 0;
+    size_t side = 2 * (size_t)choice->rings + 1, boxes_count = 0; // side: of a cell with its rings, in cells
     bat_spline_box *boxes = memory_array(count, side * side * sizeof *boxes);
     if (boxes == NULL)
         return error_memory(error, count * side * side * sizeof *boxes);

@@ -309,11 +309,6 @@ static bool bracket_next(weight_bracket *bracket, double *log_lambda)
     return to != from;
 }
 
-static bool may_continue(const fit_weight_search *search)
-{
-    return search->progress.report == NULL || search->progress.report(search->progress.context, 0);
-}
-
 static bat_status run_search(weight_workspace *workspace, const fit_weight_search *search, double *lambda, double *trace,
                              double *control, bat_error *error)
 {
@@ -327,8 +322,9 @@ static bat_status run_search(weight_workspace *workspace, const fit_weight_searc
     for (int k = 0; k < search->trials || !best.regular; k++)
     {
         weight_trial trial;
-        bat_status status = may_continue(search) ? try_weight(workspace, search, log_lambda, &trial, error)
-                                                 : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+        if (search->progress.report != NULL && !search->progress.report(search->progress.context, 0))
+            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+        bat_status status = try_weight(workspace, search, log_lambda, &trial, error);
         if (status != BAT_OK)
             return status;
         if (trial.regular && trial.score < best.score)

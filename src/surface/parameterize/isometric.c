@@ -276,14 +276,6 @@ static bool keep_better(dirichlet_map *map)
     return isfinite(next);
 }
 
-/// Weights that are all the same (Tutte, 1963).
-static void make_uniform(sparse_rows *rows)
-{
-    for (size_t row = 0; row < rows->row_count; row++)
-        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
-            rows->values[e] = 1 / (double)(rows->starts[row + 1] - rows->starts[row]);
-}
-
 /// Even out the parameters by averages over the triangles, which turn no triangle over (Floater, 2003), with weights divided
 /// by the stretch. Rounding may prevent this where points crowd: uniform weights crowd less, and else the given
 /// parameters stay.
@@ -298,7 +290,9 @@ static bat_status even_out(isometric_problem *problem, bat_progress progress, ba
         status = averages_solve(&problem->part, &rows, NULL, map->next, &failure);
     if (status == BAT_OK && !keep_better(map))
     {
-        make_uniform(&rows);
+        for (size_t row = 0; row < rows.row_count; row++)
+            for (size_t e = rows.starts[row]; e < rows.starts[row + 1]; e++)
+                rows.values[e] = 1 / (double)(rows.starts[row + 1] - rows.starts[row]); // Tutte, 1963
         status = averages_solve(&problem->part, &rows, NULL, map->next, &failure);
         if (status == BAT_OK)
             (void)keep_better(map);

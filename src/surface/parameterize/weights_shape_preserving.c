@@ -98,14 +98,6 @@ static bat_status fail_at(const weight_source *source, size_t point, bat_error *
     return error_set(error, BAT_NO_CONVERGENCE, place, 0, "the neighbourhood of point %zu %s", place, why);
 }
 
-static size_t place_of(const neighbour_list *near, size_t point)
-{
-    size_t k = 0;
-    while (near->entries[k].item != point)
-        k++;
-    return k;
-}
-
 /// Append the weights of a ring that is unfolded from space to the plane.
 static bat_status append_ring(const weight_source *source, const neighbour_list *near, size_t point, const size_t *places,
                               size_t count, weight_chunk *chunk, bat_error *error)
@@ -142,8 +134,10 @@ bat_status weights_of_triangulated_ball(const weight_source *source, weight_scra
     local_plane plane = local_plane_fit(points, near);
     for (size_t k = 0; k < near->count; k++)
         local_plane_project(&plane, place, points + 3 * (size_t)near->entries[k].item, scratch->planar[k]);
-    status =
-        triangulated_star_find((const double(*)[2])scratch->planar, near->count, place_of(near, point), ring, &count, error);
+    size_t own = 0;
+    while (near->entries[own].item != point)
+        own++;
+    status = triangulated_star_find((const double(*)[2])scratch->planar, near->count, own, ring, &count, error);
     if (status == BAT_OK && count == 0)
         status = fail_at(source, point, error, "gives it fewer than three neighbours");
     return status == BAT_OK ? append_ring(source, near, point, ring, count, chunk, error) : status;

@@ -339,14 +339,6 @@ static void add_interior(row_builder *builder, uint32_t half_edge)
     }
 }
 
-static void add_back(row_builder *builder, uint32_t half_edge)
-{
-    if (builder->grid->links.twin[half_edge] != BAT_MESH_NONE)
-        return;
-    add_vertex(builder, head_of(builder->grid, half_edge), 2.0 / 3);
-    add_vertex(builder, builder->grid->quads[half_edge], 1.0 / 3);
-}
-
 static bat_status make_rows(shell_grid *grid, bat_error *error)
 {
     size_t corners = 4 * grid->quad_count, count = grid->vertex_count + 3 * corners;
@@ -369,8 +361,11 @@ static bat_status make_rows(shell_grid *grid, bat_error *error)
             add_edge(&builder, (uint32_t)h, 1);
         else if (kind == 2)
             add_interior(&builder, (uint32_t)(h - corners));
-        else
-            add_back(&builder, (uint32_t)(h - 2 * corners));
+        else if (grid->links.twin[h - 2 * corners] == BAT_MESH_NONE)
+        {
+            add_vertex(&builder, head_of(grid, (uint32_t)(h - 2 * corners)), 2.0 / 3);
+            add_vertex(&builder, grid->quads[h - 2 * corners], 1.0 / 3);
+        }
         end_row(&builder);
     }
     if (builder.failed)

@@ -126,16 +126,6 @@ static bool drop_pieces(opening *work, bat_shell_report *report)
     return hollow;
 }
 
-/// The diagonal of the box around the listed vertices.
-static double extent_of(const opening *work, size_t members)
-{
-    double low[3], high[3];
-    box_clear(3, low, high);
-    for (size_t k = 0; k < members; k++)
-        box_include(3, work->mesh->positions + 3 * (size_t)work->stack[k], low, high);
-    return vector3_distance(low, high);
-}
-
 static void open_holes(opening *work, double fill, bat_shell_report *report)
 {
     size_t count = work->mesh->vertex_count;
@@ -145,12 +135,16 @@ static void open_holes(opening *work, double fill, bat_shell_report *report)
         if (work->piece[v] != UINT32_MAX || work->far[v] < BARE || work->gone[v] || work->links.first[v] == BAT_MESH_NONE)
             continue;
         size_t members = spread(work, v, BARE, work->piece, v);
-        double farthest = 0;
+        double farthest = 0, low[3], high[3];
+        box_clear(3, low, high);
         for (size_t k = 0; k < members; k++)
+        {
             farthest = fmax(farthest, work->far[work->stack[k]]);
+            box_include(3, work->mesh->positions + 3 * (size_t)work->stack[k], low, high);
+        }
         if (farthest < HOLE)
             continue;
-        bool fills = extent_of(work, members) <= fill;
+        bool fills = vector3_distance(low, high) <= fill;
         report->filled += fills;
         for (size_t k = 0; k < members && !fills; k++)
             work->gone[work->stack[k]] = true;

@@ -73,13 +73,6 @@ static double cost_of_pair(const bat_mesh *mesh, uint32_t h, uint32_t twin)
     return worst + BEND_COST * vector3_angle(p, q);
 }
 
-static void join(layout_builder *builder, uint32_t half_edge)
-{
-    uint32_t twin = builder->links.twin[half_edge];
-    builder->partner[half_edge / 3] = half_edge;
-    builder->partner[twin / 3] = twin;
-}
-
 /// Whether two triangles may be a pair.
 static bool may_join(const layout_builder *builder, uint32_t h)
 {
@@ -115,7 +108,9 @@ static bat_status pair_triangles(layout_builder *builder, bat_error *error)
         if (builder->partner[h / 3] != NONE || builder->partner[builder->links.twin[h] / 3] != NONE || *ends[0] < 4 ||
             *ends[1] < 4)
             continue;
-        join(builder, h);
+        uint32_t twin = builder->links.twin[h];
+        builder->partner[h / 3] = h;
+        builder->partner[twin / 3] = twin;
         --*ends[0];
         --*ends[1];
     }

@@ -58,15 +58,6 @@ static bool make_level(bat_hierarchical_space *space, size_t level)
     return all;
 }
 
-/// Process the levels from the finest, whose cells are all active, to the coarsest.
-static bat_status make_levels(bat_hierarchical_space *space, bat_error *error)
-{
-    bool made = true;
-    for (size_t l = space->levels; l-- > 0 && made;)
-        made = make_level(space, l);
-    return made ? BAT_OK : error_memory(error, sizeof(grid_run));
-}
-
 /// Number the elements of a set from `*count` on.
 static bat_status number_places(run_set *set, const char *what, size_t *count, bat_error *error)
 {
@@ -355,8 +346,9 @@ static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error 
 bat_status hierarchical_number(bat_hierarchical_space *space, bat_error *error)
 {
     bat_status status = collect_cells(space, error);
-    if (status == BAT_OK)
-        status = make_levels(space, error);
+    // From the finest level, whose cells are all active, to the coarsest.
+    for (size_t l = space->levels; l-- > 0 && status == BAT_OK;)
+        status = make_level(space, l) ? BAT_OK : error_memory(error, sizeof(grid_run));
     return status == BAT_OK ? number_levels(space, error) : status;
 }
 

@@ -99,15 +99,6 @@ static double reciprocal(int complete)
     return TABLE[complete];
 }
 
-static void knots_around(int degree, size_t cells, size_t cell, cell_knots *knots)
-{
-    for (int j = 1; j <= degree; j++)
-    {
-        knots->below[j] = (size_t)(j - 1) < cell ? j - 1 : (int)cell;
-        knots->above[j] = (size_t)j < cells - cell ? j : (int)(cells - cell);
-    }
-}
-
 /// Functions of degree j from those of degree j - 1.
 static void raise_values(const cell_knots *knots, int j, double s, const double *from, double *to)
 {
@@ -138,7 +129,11 @@ static void raise_derivatives(const cell_knots *knots, int j, const double *from
 void uniform_basis_values(int degree, size_t cells, size_t cell, double s, int derivatives, double *values)
 {
     cell_knots knots;
-    knots_around(degree, cells, cell, &knots);
+    for (int j = 1; j <= degree; j++)
+    {
+        knots.below[j] = (size_t)(j - 1) < cell ? j - 1 : (int)cell;
+        knots.above[j] = (size_t)j < cells - cell ? j : (int)(cells - cell);
+    }
     // The functions of the last three degrees, at the index degree modulo 3.
     double recent[3][BAT_SPLINE_MAX_DEGREE + 1], slopes[BAT_SPLINE_MAX_DEGREE + 1];
     recent[0][0] = 1;

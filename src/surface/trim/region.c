@@ -31,13 +31,6 @@ void spline_trim_free(bat_spline_trim *trim)
     *trim = (bat_spline_trim){0};
 }
 
-static void spline_curve_domain(const bat_spline_curve *curve, double domain[2])
-{
-    const bat_knot_vector *knots = &curve->knots;
-    domain[0] = knots->knots[knots->degree];
-    domain[1] = knots->knots[knot_vector_functions(knots)];
-}
-
 void spline_curve_place(const bat_spline_curve *curve, double t, double *place)
 {
     double basis[BAT_SPLINE_MAX_DEGREE + 1];
@@ -54,9 +47,8 @@ static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_e
     bat_status status = knot_vector_check(&piece->knots, error);
     if (status != BAT_OK)
         return status;
-    double domain[2];
-    spline_curve_domain(piece, domain);
     const bat_knot_vector *knots = &piece->knots;
+    const double domain[2] = {knots->knots[knots->degree], knots->knots[knot_vector_functions(knots)]};
     bool good = piece->dimension == 2 && piece->control != NULL && knots->degree > 0 && knots->knots[0] == domain[0] &&
                 knots->knots[knots->count - 1] == domain[1];
     for (size_t k = 0; good && k < 2 * knot_vector_functions(knots); k++)
