@@ -348,23 +348,18 @@ typedef struct border
 
 DEFINE_ORDER(compare_crossings, border_crossing, latitude, ending)
 
-static bool border_allocate(border *edge)
-{
-    size_t chains = edge->count = edge->chains.count;
-    edge->crossings = memory_pool_array(&edge->pool, chains, sizeof *edge->crossings);
-    edge->ending = memory_pool_array(&edge->pool, chains, sizeof *edge->ending);
-    edge->beginning = memory_pool_array(&edge->pool, chains, sizeof *edge->beginning);
-    edge->used = memory_pool_zeros(&edge->pool, chains, sizeof *edge->used);
-    return !edge->chains.failed && edge->pool.missing == 0;
-}
-
 /// Cut the rings into chains and sort the crossings.
 static bool border_begin(const degree_grid *grid, const globe_curve *rings, size_t ring_count, border *edge)
 {
     for (size_t i = 0; i < ring_count; i++)
         if (rings[i].cut_count > 0)
             globe_curve_cut(grid, &rings[i], i + 1, &edge->chains);
-    if (!border_allocate(edge))
+    edge->count = edge->chains.count;
+    edge->crossings = memory_pool_array(&edge->pool, edge->count, sizeof *edge->crossings);
+    edge->ending = memory_pool_array(&edge->pool, edge->count, sizeof *edge->ending);
+    edge->beginning = memory_pool_array(&edge->pool, edge->count, sizeof *edge->beginning);
+    edge->used = memory_pool_zeros(&edge->pool, edge->count, sizeof *edge->used);
+    if (edge->chains.failed || edge->pool.missing > 0)
         return false;
     size_t first = 0;
     bool south = false;
@@ -423,13 +418,6 @@ static void add_to_ring(globe_lines *rings, size_t begin, globe_position positio
         last->start = position.start;
 }
 
-static void add_chain(const border *edge, size_t chain, bool backward, size_t begin, globe_lines *rings)
-{
-    size_t chain_begin = globe_line_begin(&edge->chains, chain), chain_end = edge->chains.ends[chain];
-    for (size_t i = chain_begin; i < chain_end; i++)
-        add_to_ring(rings, begin, edge->chains.positions[backward ? chain_begin + chain_end - 1 - i : i]);
-}
-
 /// Follow the antimeridian from the end of a chain to the start of the next.
 static void follow_border(const degree_grid *grid, const border *edge, size_t *chain, bool *backward, size_t begin,
                           globe_lines *rings)
@@ -484,11 +472,6 @@ static int64_t lesser(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-static bool on_border(const degree_grid *grid, globe_position position)
-{
-    return position.shown.longitude == grid->half_turn || position.shown.longitude == -grid->half_turn;
-}
-
 /// Find an edge along the antimeridian that contains a vertex. Rotates the ring so that it begins at this vertex, and
 /// returns the index of the edge; `count` when there is none.
 static size_t find_touch(const degree_grid *grid, globe_position *positions, size_t count)
@@ -498,8 +481,9 @@ static size_t find_touch(const degree_grid *grid, globe_position *positions, siz
         const globe_position at = positions[i], before = positions[i > 0 ? i - 1 : count - 1];
         const globe_position after = positions[i + 1 < count ? i + 1 : 0];
         int64_t side = at.shown.longitude;
+        bool on_border = side == grid->half_turn || side == -grid->half_turn;
         // A vertex between two edges that leave the antimeridian.
-        if (!on_border(grid, at) || before.shown.longitude == side || after.shown.longitude == side)
+        if (!on_border || before.shown.longitude == side || after.shown.longitude == side)
             continue;
         for (size_t k = 0; k < count; k++)
         {
@@ -560,7 +544,9 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
     while (!edge->used[chain] && !rings->failed)
     {
         edge->used[chain] = true;
-        add_chain(edge, chain, backward, begin, rings);
+        size_t first = globe_line_begin(&edge->chains, chain), end = edge->chains.ends[chain];
+        for (size_t i = first; i < end; i++)
+            add_to_ring(rings, begin, edge->chains.positions[backward ? first + end - 1 - i : i]);
         follow_border(grid, edge, &chain, &backward, begin, rings);
     }
     if (rings->failed || rings->positions == NULL)
@@ -645,13 +631,6 @@ static size_t *find_owners(const globe_lines *outers, const globe_curve *holes, 
     return owners;
 }
 
-static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
-{
-    for (size_t i = globe_line_begin(from, ring); i < from->ends[ring]; i++)
-        globe_lines_add(to, from->positions[i]);
-    globe_lines_end(to);
-}
-
 /// Combine the outer rings with the holes that do not cross the antimeridian.
 static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
 {
@@ -664,7 +643,9 @@ static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t
     for (size_t k = 0; k < outers->count; k++)
     {
         size_t rings_before = parts->rings.count;
-        copy_ring(outers, k, &parts->rings);
+        for (size_t i = globe_line_begin(outers, k); i < outers->ends[k]; i++)
+            globe_lines_add(&parts->rings, outers->positions[i]);
+        globe_lines_end(&parts->rings);
         for (size_t i = 0; i < hole_count; i++)
             if (owners[i] == k)
                 globe_curve_add(&holes[i], false, &parts->rings);

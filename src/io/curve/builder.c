@@ -244,11 +244,6 @@ typedef struct row_job
     const void *context;
 } row_job;
 
-static size_t curve_of_row(const row_job *job, size_t row)
-{
-    return bisect_sizes(job->first_rows, 0, job->set->count, row);
-}
-
 static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
 {
     const row_job *job = context;
@@ -257,7 +252,7 @@ static bat_status format_block(const void *context, size_t block, text_buffer *t
     if (last - row > ROWS_PER_BLOCK)
         last = row + ROWS_PER_BLOCK;
     bat_status status = BAT_OK;
-    for (size_t i = curve_of_row(job, row); row < last && status == BAT_OK; i++)
+    for (size_t i = bisect_sizes(first_rows, 0, job->set->count, row); row < last && status == BAT_OK; i++)
     {
         size_t end = first_rows[i + 1] < last ? first_rows[i + 1] : last;
         row_span span = {&job->set->curves[i], i, first_rows[i], row - first_rows[i], end - first_rows[i]};

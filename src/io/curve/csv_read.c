@@ -377,15 +377,6 @@ static bat_status check_times(const csv_reader *reader, bool closed, bat_error *
     return BAT_OK;
 }
 
-/// Set the places of the current curve's points between the rows of the file.
-static void set_places(csv_reader *reader, bool closed)
-{
-    const curve_builder *builder = &reader->builder;
-    for (size_t i = 0; i < builder->point_count && reader->attributes->csv->has_places; i++)
-        cells_place(i, builder->point_count, closed,
-                    builder->channels + (i + 1) * builder->channel_count - CSV_PLACE_CHANNELS);
-}
-
 /// Whether the cells of the last row are those of the current curve's first row. Times need not be.
 static bool cells_return(const csv_reader *reader)
 {
@@ -445,7 +436,9 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
     bat_status status = check_times(reader, closed, error);
     if (status != BAT_OK)
         return status;
-    set_places(reader, closed);
+    for (size_t i = 0; i < builder->point_count && reader->attributes->csv->has_places; i++)
+        cells_place(i, builder->point_count, closed,
+                    builder->channels + (i + 1) * builder->channel_count - CSV_PLACE_CHANNELS);
     if (reader->cells.columns > 0 && !cells_end_curve(&reader->cells, closed))
         return error_memory(error, builder->point_count);
     return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, builder->point_count * sizeof(double));

@@ -66,14 +66,6 @@ static bat_status read_number(geojson_reader *reader, json_scanner *scan, double
     return fault == NULL ? BAT_OK : geojson_fault(reader, "a number %s", fault);
 }
 
-static bool keep_degrees(geojson_reader *reader, const double *numbers)
-{
-    if (!ARRAY_GROW(reader->positions, reader->position_capacity, 2 * reader->position_count + 2))
-        return false;
-    memcpy(reader->positions + 2 * reader->position_count++, numbers, 2 * sizeof *numbers);
-    return true;
-}
-
 /// Whether the position at `point` repeats the one before it, number by number. A position with other numbers can be the
 /// same point of the sphere, at a pole or on the antimeridian: such outlines are joined later.
 static bool repeats(geojson_reader *reader, const double *numbers, const double *point)
@@ -88,15 +80,6 @@ static bool repeats(geojson_reader *reader, const double *numbers, const double 
     bool same = before[0] == numbers[0] && before[1] == numbers[1];
     reader->aliases = reader->aliases || !same;
     return same;
-}
-
-static bat_status drop_repeat(geojson_reader *reader)
-{
-    if (reader->strict)
-        return geojson_fault(reader, "the position repeats the one before it");
-    if (reader->findings.repeats++ == 0)
-        describe_place(reader, reader->findings.first_repeat, sizeof reader->findings.first_repeat);
-    return BAT_OK;
 }
 
 /// Count an edge whose longitudes may be meant the long way round. A crossing near the antimeridian is not.
@@ -118,13 +101,24 @@ static bat_status add_point(geojson_reader *reader, const double *numbers, doubl
     else
         memcpy(point, numbers, 2 * sizeof *point);
     if (repeats(reader, numbers, point))
-        return drop_repeat(reader);
+    {
+        if (reader->strict)
+            return geojson_fault(reader, "the position repeats the one before it");
+        if (reader->findings.repeats++ == 0)
+            describe_place(reader, reader->findings.first_repeat, sizeof reader->findings.first_repeat);
+        return BAT_OK;
+    }
     fault = builder_admit(&reader->builder);
     if (fault != NULL)
         return builder_refuse(&reader->builder, geojson_fault(reader, "the point is %s", fault), reader->error);
-    if (reader->degrees && reader->builder.point_count > 1)
+    if (!reader->degrees)
+        return BAT_OK;
+    if (reader->builder.point_count > 1)
         note_wide(reader, reader->positions[2 * (reader->position_count - 1)], numbers[0]);
-    return !reader->degrees || keep_degrees(reader, numbers) ? BAT_OK : geojson_no_memory(reader);
+    if (!ARRAY_GROW(reader->positions, reader->position_capacity, 2 * reader->position_count + 2))
+        return geojson_no_memory(reader);
+    memcpy(reader->positions + 2 * reader->position_count++, numbers, 2 * sizeof *numbers);
+    return BAT_OK;
 }
 
 /// Count the numbers of a position, which is valid JSON.
@@ -446,16 +440,6 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
     return BAT_OK;
 }
 
-/// Forget the curves of a geometry, which passes unchanged.
-static void forget(geojson_reader *reader, size_t first_curve, size_t first_polygon)
-{
-    drop_curves(reader, first_curve);
-    reader->document.polygon_count = first_polygon;
-    geojson_findings *findings = &reader->findings;
-    if (findings->unchanged++ == 0)
-        describe_place(reader, findings->first_unchanged, sizeof findings->first_unchanged);
-}
-
 /// Join, close and clean the curves of a geometry that has been read.
 static bat_status complete_geometry(geojson_reader *reader, size_t first_curve, size_t first_polygon)
 {
@@ -480,7 +464,13 @@ static bat_status complete_geometry(geojson_reader *reader, size_t first_curve, 
     }
     bat_status status = degenerate && represented ? drop_degenerate(reader, first_curve, first_polygon) : BAT_OK;
     if (status == BAT_OK && (!represented || builder->curve_count == first_curve))
-        forget(reader, first_curve, first_polygon);
+    {
+        // The geometry passes unchanged.
+        drop_curves(reader, first_curve);
+        reader->document.polygon_count = first_polygon;
+        if (reader->findings.unchanged++ == 0)
+            describe_place(reader, reader->findings.first_unchanged, sizeof reader->findings.first_unchanged);
+    }
     return status;
 }
 

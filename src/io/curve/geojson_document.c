@@ -85,16 +85,6 @@ static size_t line_of_feature(const void *content, size_t curve)
     return feature != NULL ? feature->line : 0;
 }
 
-/// The geometry of a feature that a curve belongs to, as an index.
-static size_t geometry_of(const geojson_document *document, const geojson_feature *feature, size_t curve)
-{
-    size_t index = 0;
-    while (index + 1 < feature->geometry_count &&
-           document->geometries[feature->geometry + index + 1].curve <= curve - feature->curve)
-        index++;
-    return index;
-}
-
 /// Write "feature 6 (id 'ATA'), polygon 7, ring 0".
 static void place_of_curve(const void *content, size_t curve, char *text, size_t size)
 {
@@ -103,7 +93,10 @@ static void place_of_curve(const void *content, size_t curve, char *text, size_t
     text[0] = '\0';
     if (feature == NULL || feature->geometry_count == 0 || curve >= document->curve_count)
         return;
-    size_t index = geometry_of(document, feature, curve);
+    size_t index = 0;
+    while (index + 1 < feature->geometry_count &&
+           document->geometries[feature->geometry + index + 1].curve <= curve - feature->curve)
+        index++;
     const geojson_geometry *geometry = &document->geometries[feature->geometry + index];
     const stitch_origin *origin = &document->origins[curve];
     if (document->collection != NULL)

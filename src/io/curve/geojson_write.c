@@ -40,12 +40,6 @@ static void write_key(geojson_output *out, const char *separator, const char *ke
     text_append_string(out->text, ":");
 }
 
-/// Whether the top object has a new member "crs" and loses its own.
-static bool replaces_crs(const geojson_writer *writer, const char *key)
-{
-    return writer->crs.size > 0 && strcmp(key, "crs") == 0;
-}
-
 /// Write the members of an object in their order, except for "bbox", which changes with the curves. `write_member` writes
 /// the values that it handles and returns true for them.
 typedef bool member_writer(geojson_output *out, const char *key, json_t *value, bat_status *status);
@@ -53,13 +47,13 @@ typedef bool member_writer(geojson_output *out, const char *key, json_t *value, 
 static bat_status write_members(geojson_output *out, json_t *object, member_writer *write_member)
 {
     bat_status status = BAT_OK;
-    bool begun = out->top == object;
+    bool begun = out->top == object, replaces_crs = begun && out->writer->crs.size > 0;
     const char *separator = begun ? "," : "{";
     for (void *at = json_object_iter(object); at != NULL && status == BAT_OK; at = json_object_iter_next(object, at))
     {
         const char *key = json_object_iter_key(at);
         json_t *value = json_object_iter_value(at);
-        if (strcmp(key, "bbox") == 0 || (begun && replaces_crs(out->writer, key)))
+        if (strcmp(key, "bbox") == 0 || (replaces_crs && strcmp(key, "crs") == 0))
             continue;
         write_key(out, separator, key);
         if (!write_member(out, key, value, &status))
@@ -316,15 +310,6 @@ static bool write_features_member(geojson_output *out, const char *key, json_t *
     return true;
 }
 
-/// Write the members of a collection before and after the content of "features".
-static void write_frame(const geojson_writer *writer, json_t *collection, text_buffer *before, text_buffer *after)
-{
-    geojson_output out = {.writer = writer, .text = before, .after = after};
-    begin_top(&out, collection);
-    (void)write_members(&out, collection, write_features_member);
-    text_append_string(out.text, "\n");
-}
-
 static bat_status write_blocks(geojson_writer *writer, size_t job_count, const bat_curve_write_options *options,
                                text_sink *sink, bat_error *error)
 {
@@ -359,7 +344,12 @@ static bat_status write_set(geojson_writer *writer, const bat_curve_write_option
         text_append_string(&after, "\n]}\n");
     }
     else if (document->collection != NULL)
-        write_frame(writer, document->collection, &before, &after);
+    {
+        geojson_output out = {.writer = writer, .text = &before, .after = &after};
+        begin_top(&out, document->collection);
+        (void)write_members(&out, document->collection, write_features_member);
+        text_append_string(out.text, "\n");
+    }
     else
         text_append_string(&after, "\n");
     bat_status status = sink_take(sink, &before, BAT_OK, error);
@@ -388,19 +378,15 @@ static void write_crs(const char *short_name, text_buffer *text)
     text_append_string(text, "}}");
 }
 
-/// Whether a set is from a file of GeoJSON itself, or of a layer.
-static bool is_of_geojson(const bat_curve_attributes *attributes)
-{
-    return attributes_are_geojson(attributes) && attributes->format <= BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
-}
-
 /// Find the member "crs" to write: that of the options; for a set that is not from GeoJSON also that of its file.
 /// Coordinates of the plane need one, as GeoJSON without it is longitude and latitude. A set from GeoJSON may go back as it
 /// came.
 static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_options *options, bat_error *error)
 {
     const bat_curve_attributes *attributes = writer->set->attributes;
-    bool globe = writer->style.globe, geojson = is_of_geojson(attributes) && writer->document->layer == NULL;
+    bool globe = writer->style.globe;
+    bool geojson = attributes_are_geojson(attributes) && attributes->format <= BAT_CURVE_FORMAT_GEOJSON_SEQUENCE &&
+                   writer->document->layer == NULL;
     if (options->crs == NULL && !geojson && attributes != NULL && attributes->crs != NULL &&
         strlen(attributes->crs) < CRS_NAME_SIZE && !(globe && crs_is_default(attributes->crs)))
         write_crs(attributes->crs, &writer->crs);

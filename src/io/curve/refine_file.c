@@ -74,15 +74,6 @@ static bat_status stream_open(const char *path, record_stream *stream, bat_error
     return BAT_OK;
 }
 
-static void stream_close(record_stream *stream)
-{
-    if (stream->file != NULL && stream->file != stdin)
-        (void)fclose(stream->file);
-    text_free(&stream->text);
-    free(stream->records);
-    *stream = (record_stream){0};
-}
-
 /// Read until there are `wanted` bytes, or the file ends.
 static bat_status stream_fill(record_stream *stream, size_t wanted, bat_error *error)
 {
@@ -276,14 +267,6 @@ static bat_status write_text(file_job *job, const char *text)
     return of_output(job, error_set(job->error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno)));
 }
 
-/// The part of the file that a part of it is, for progress; all zero where the size is unknown.
-static progress_part part_of_file(const file_job *job, double done)
-{
-    const record_stream *stream = &job->stream;
-    double part = stream->size > 0 ? (double)stream->used / (double)stream->size : 0;
-    return (progress_part){job->options->refine.progress, done < 1 - part ? done : 1 - part, part};
-}
-
 static bat_status refine_parts(file_job *job)
 {
     double done = 0;
@@ -297,7 +280,9 @@ static bat_status refine_parts(file_job *job)
         status = stream_next(&job->stream, job->error);
         if (status != BAT_OK || job->stream.count == 0)
             break;
-        progress_part part = part_of_file(job, done);
+        // All zero where the size is unknown.
+        double length = job->stream.size > 0 ? (double)job->stream.used / (double)job->stream.size : 0;
+        progress_part part = {job->options->refine.progress, done < 1 - length ? done : 1 - length, length};
         status = refine_part(job, progress_of_part(&part));
         done = part.begin + part.length;
         bat_progress progress = job->options->refine.progress;
@@ -326,7 +311,11 @@ static bat_status refine_streamed(file_job *job, const char *input, const char *
         status = atomic_file_end(&file, refined, job->error);
         status = refined == BAT_OK ? of_output(job, status) : status;
     }
-    stream_close(&job->stream);
+    if (job->stream.file != NULL && job->stream.file != stdin)
+        (void)fclose(job->stream.file);
+    text_free(&job->stream.text);
+    free(job->stream.records);
+    job->stream = (record_stream){0};
     geojson_reader_free(&job->reader);
     return status;
 }

@@ -29,17 +29,6 @@ static int decimals_of(double number)
     return decimals > 0 ? (int)decimals : 0;
 }
 
-/// 1.5 units of the last decimal, at most 1e-7 degrees. At least 1e-9 degrees between latitudes (0.1 mm on the Earth), as
-/// the two sides of a cut often differ in the last digits of a double; at least 1e-11 degrees from a great circle.
-static stitch_tolerance stitch_tolerance_of_decimals(int decimals)
-{
-    static const double UNITS = 1.5, MOST = 1e-7, MIN_OFFSET = 1e-11;
-    double rounding = UNITS * pow(10.0, -decimals);
-    rounding = rounding < MOST ? rounding : MOST;
-    return (stitch_tolerance){.latitude = rounding > NEAR_SEAM ? rounding : NEAR_SEAM,
-                              .offset = rounding > MIN_OFFSET ? rounding : MIN_OFFSET};
-}
-
 stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count)
 {
     int decimals = 0;
@@ -48,21 +37,22 @@ stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count)
         int each = decimals_of(degrees[i]);
         decimals = each > decimals ? each : decimals;
     }
-    return stitch_tolerance_of_decimals(decimals);
-}
-
-/// Whether longitudes exceed 180 degrees: the map is then cut at 0 degrees.
-static bool exceeds_half_turn(const double *degrees, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (fabs(degrees[2 * i]) > HALF_TURN + NEAR_SEAM)
-            return true;
-    return false;
+    // 1.5 units of the last decimal, at most 1e-7 degrees. At least 1e-9 degrees between latitudes (0.1 mm on the Earth), as
+    // the two sides of a cut often differ in the last digits of a double; at least 1e-11 degrees from a great circle.
+    static const double UNITS = 1.5, MOST = 1e-7, MIN_OFFSET = 1e-11;
+    double rounding = UNITS * pow(10.0, -decimals);
+    rounding = rounding < MOST ? rounding : MOST;
+    return (stitch_tolerance){.latitude = rounding > NEAR_SEAM ? rounding : NEAR_SEAM,
+                              .offset = rounding > MIN_OFFSET ? rounding : MIN_OFFSET};
 }
 
 stitch_seam stitch_seam_of(const double *degrees, size_t count)
 {
-    return (stitch_seam){exceeds_half_turn(degrees, count) ? 0.0 : HALF_TURN, NEAR_SEAM};
+    // Where longitudes exceed 180 degrees, the map is cut at 0 degrees.
+    for (size_t i = 0; i < count; i++)
+        if (fabs(degrees[2 * i]) > HALF_TURN + NEAR_SEAM)
+            return (stitch_seam){0.0, NEAR_SEAM};
+    return (stitch_seam){HALF_TURN, NEAR_SEAM};
 }
 
 bool stitch_on_seam(const stitch_seam *seam, double longitude)

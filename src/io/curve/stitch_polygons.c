@@ -71,14 +71,6 @@ static bool planar_area(const stitch_edges *edges, const stitch_ring *ring, doub
     return *area != 0;
 }
 
-/// Orient the half-edges of a ring so that the interior of its polygon is on their left.
-static void orient(const stitch_edges *edges, stitch_ring *ring, bool hole)
-{
-    double area;
-    ring->oriented = planar_area(edges, ring, &area);
-    ring->reversed = ring->oriented && (area < 0) != hole;
-}
-
 /// The place of step `k` along the half-edges of a ring.
 static size_t ring_point(const stitch_ring *ring, size_t k)
 {
@@ -255,13 +247,6 @@ static size_t stitch_edges_group(const stitch_edges *edges, size_t polygon)
     return polygon;
 }
 
-static void join_groups(stitch_edges *edges, size_t a, size_t b)
-{
-    a = stitch_edges_group(edges, a);
-    b = stitch_edges_group(edges, b);
-    edges->groups[a > b ? a : b] = a < b ? a : b;
-}
-
 static void link_edges(stitch_edges *edges, size_t before, size_t after)
 {
     edges->edges[before].next = after;
@@ -285,7 +270,9 @@ static void cancel(stitch_edges *edges, size_t first, size_t second)
     stitch_half_edge *a = &edges->edges[first], *b = &edges->edges[second];
     mark(edges, a);
     mark(edges, b);
-    join_groups(edges, edges->rings[a->ring].polygon, edges->rings[b->ring].polygon);
+    size_t group = stitch_edges_group(edges, edges->rings[a->ring].polygon);
+    size_t other = stitch_edges_group(edges, edges->rings[b->ring].polygon);
+    edges->groups[group > other ? group : other] = group < other ? group : other;
     bool a_then_b = a->next == second, b_then_a = b->next == first; // a spike; both: nothing is left
     size_t before_a = a->previous, after_a = a->next, before_b = b->previous, after_b = b->next;
     if (!b_then_a)
@@ -419,8 +406,12 @@ static bool stitch_edges_make(const stitch_geometry *geometry, const double *deg
     for (size_t i = 0; i < geometry->polygon_count; i++)
         for (size_t k = 0; k < geometry->polygons[i].rings; k++, ring++)
         {
-            snap_closure(&edges->seam, &edges->rings[ring], edges->snapped + (edges->rings[ring].degrees - degrees));
-            orient(edges, &edges->rings[ring], k > 0);
+            stitch_ring *made = &edges->rings[ring];
+            snap_closure(&edges->seam, made, edges->snapped + (made->degrees - degrees));
+            // The interior of the polygon is on the left of the half-edges.
+            double area;
+            made->oriented = planar_area(edges, made, &area);
+            made->reversed = made->oriented && (area < 0) != (k > 0);
         }
     seam_nodes nodes = {.tolerance = tolerance->latitude};
     seam_pieces pieces = {0};
@@ -431,13 +422,6 @@ static bool stitch_edges_make(const stitch_geometry *geometry, const double *deg
     free(nodes.latitudes);
     free(pieces.pieces);
     return done;
-}
-
-static void stitch_edges_free(stitch_edges *edges)
-{
-    free(edges->edges);
-    memory_pool_free(&edges->pool);
-    *edges = (stitch_edges){0};
 }
 
 // Polygons from the half-edges that are left: their rings, and what is inside.
@@ -810,7 +794,8 @@ bool stitch_polygons(stitch_geometry *geometry, const double *degrees, const sti
         done = stitch(&job, geometry, &found);
     if (done)
         *report = found;
-    stitch_edges_free(&job.edges);
+    free(job.edges.edges);
+    memory_pool_free(&job.edges.pool);
     free(job.rings);
     return done;
 }

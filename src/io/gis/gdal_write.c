@@ -114,15 +114,6 @@ static bat_status take_geometry(void *context, size_t index, const json_t *featu
 static const unsigned LINES = 1U << wkbLineString | 1U << wkbMultiLineString,
                       POLYGONS = 1U << wkbPolygon | 1U << wkbMultiPolygon;
 
-/// Check the types of a format that would otherwise turn polygons into lines.
-static bat_status check_types(const layer_writer *writer, bat_error *error)
-{
-    bool lines = (writer->types & ~LINES) == 0, polygons = (writer->types & ~POLYGONS) == 0;
-    if (is_driver(writer, "ESRI Shapefile") && !lines && !polygons)
-        return ERROR_UNSUPPORTED(error, 0, "a Shapefile holds lines or polygons, not both");
-    return BAT_OK;
-}
-
 /// The type of the layer. Where there are single and multiple lines, or polygons, all become multiple.
 static OGRwkbGeometryType choose_type(layer_writer *writer)
 {
@@ -223,16 +214,6 @@ static bool set_list(OGRFeatureH feature, int index, OGRFieldType type, const js
     return enough;
 }
 
-/// Set a field to the text of a value that is not of the field's type.
-static bool set_text(OGRFeatureH feature, int index, const json_t *value)
-{
-    char *text = json_text_make(value);
-    if (text != NULL)
-        gdal.OGR_F_SetFieldString(feature, index, text);
-    free(text);
-    return text != NULL;
-}
-
 static bool set_field(OGRFeatureH feature, int index, OGRFieldType type, const json_t *value)
 {
     bool number = type == OFTInteger || type == OFTInteger64 || type == OFTReal;
@@ -255,7 +236,13 @@ static bool set_field(OGRFeatureH feature, int index, OGRFieldType type, const j
     else if (json_is_array(value) && list)
         return set_list(feature, index, type, value);
     else
-        return set_text(feature, index, value);
+    {
+        char *text = json_text_make(value);
+        if (text == NULL)
+            return false;
+        gdal.OGR_F_SetFieldString(feature, index, text);
+        free(text);
+    }
     return true;
 }
 
@@ -386,9 +373,11 @@ static bat_status create_layer(void *context, const char *path, bat_error *error
     layer_writer *writer = context;
     char name[256];
     choose_name(writer, path, name, sizeof name);
-    bat_status status = check_types(writer, error);
-    if (status != BAT_OK)
-        return status;
+    // A Shapefile would otherwise turn polygons into lines.
+    bool lines = (writer->types & ~LINES) == 0, polygons = (writer->types & ~POLYGONS) == 0;
+    if (is_driver(writer, "ESRI Shapefile") && !lines && !polygons)
+        return ERROR_UNSUPPORTED(error, 0, "a Shapefile holds lines or polygons, not both");
+    bat_status status = BAT_OK;
     OGRwkbGeometryType type = choose_type(writer);
     // Polygons that are not valid are written like others.
     gdal.CPLSetThreadLocalConfigOption("LIBKML_STRICT_COMPLIANCE", "NO");
