@@ -85,15 +85,6 @@ static bat_status check_time(const bat_hermite_curve *curve, size_t index, bat_e
     return BAT_OK;
 }
 
-static bat_status check_point(const bat_hermite_curve *curve, size_t index, bool unit, bat_error *error)
-{
-    const char *fault = curve->space->fault(curve->space, point_of(curve, index));
-    if (fault != NULL)
-        return error_set(error, BAT_INVALID_POINT, index, 0, "point %zu is %s", index, fault);
-    bat_status status = check_tangent(curve, index, unit, error);
-    return status == BAT_OK ? check_time(curve, index, error) : status;
-}
-
 static bat_status check_edge(const bat_hermite_curve *curve, size_t before, size_t index, bool admissible, bat_error *error)
 {
     const bat_space *space = curve->space;
@@ -118,7 +109,12 @@ static bat_status check_edge(const bat_hermite_curve *curve, size_t before, size
 /// Check point `index` and, where the options say so, the edge that ends there.
 static bat_status check_index(const bat_hermite_curve *curve, size_t index, hermite_check_parts parts, bat_error *error)
 {
-    bat_status status = check_point(curve, index, parts.unit, error);
+    const char *fault = curve->space->fault(curve->space, point_of(curve, index));
+    if (fault != NULL)
+        return error_set(error, BAT_INVALID_POINT, index, 0, "point %zu is %s", index, fault);
+    bat_status status = check_tangent(curve, index, parts.unit, error);
+    if (status == BAT_OK)
+        status = check_time(curve, index, error);
     if (status == BAT_OK && parts.edges && index > 0)
         status = check_edge(curve, index - 1, index, parts.admissible, error);
     return status;

@@ -548,17 +548,12 @@ static bat_status fill_channels(const bat_hermite_curve *smooth, const result_co
     return BAT_OK;
 }
 
-static void continue_signs(const bat_hermite_curve *smooth)
+/// Make a curve with channels of Hermite data. The curve takes over the points.
+static bat_status make_curve(bat_hermite_curve *smooth, const result_columns *columns, bat_curve *curve, bat_error *error)
 {
     size_t dim = smooth->space->point_dim, place = quaternion_place(smooth->space);
     for (size_t i = 1; place != BAT_NO_INDEX && i < smooth->count; i++)
         quaternion_continue(smooth->points + (i - 1) * dim + place, smooth->points + i * dim + place);
-}
-
-/// Make a curve with channels of Hermite data. The curve takes over the points.
-static bat_status make_curve(bat_hermite_curve *smooth, const result_columns *columns, bat_curve *curve, bat_error *error)
-{
-    continue_signs(smooth);
     *curve = (bat_curve){
         .space = smooth->space, .count = smooth->count, .closed = smooth->closed, .channel_count = columns->channel_count};
     if (curve->channel_count > 0)
@@ -754,14 +749,6 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
     }
 }
 
-/// Tell in a message about times what they count from.
-static void name_origin(int64_t origin, bat_error *error)
-{
-    size_t used = strlen(error->text);
-    if (origin != 0)
-        (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
-}
-
 static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_curves_options *options,
                                    const bat_hermite_curve *keys, result_columns *columns, bat_hermite_curve *smooth,
                                    bat_error *error)
@@ -787,7 +774,10 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
     if (status != BAT_OK && error != NULL)
     {
         error->index = BAT_NO_INDEX; // of a sample, not of a keyframe
-        name_origin(bat_curve_set_time_origin(set), error);
+        size_t used = strlen(error->text);
+        int64_t origin = bat_curve_set_time_origin(set);
+        if (origin != 0)
+            (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
     }
     return status;
 }

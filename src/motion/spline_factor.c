@@ -308,22 +308,16 @@ static bat_status tensor_rates(const spline_factor *f, const double *identity, c
     return status;
 }
 
-static bat_status any_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *w,
-                           double *pushed)
-{
-    static const double zeros[DIM];
-    return any_rates(f, middle, &(tangent_jet){c, w, zeros, zeros}, q, pushed, NULL);
-}
-
 /// The differential is parallel transport but for terms of the square of |c|: correct by the transported residual.
 static bat_status any_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *v,
                            double *pulled)
 {
     const bat_space *space = &f->space;
+    static const double zeros[DIM];
     double residual[DIM], brought[DIM];
     for (int step = 0; step < PULL_STEPS; step++)
     {
-        bat_status status = any_push(f, middle, c, q, pulled, residual);
+        bat_status status = any_rates(f, middle, &(tangent_jet){c, pulled, zeros, zeros}, q, residual, NULL);
         for (size_t i = 0; i < space->tangent_dim; i++)
             residual[i] = v[i] - residual[i];
         if (status == BAT_OK)

@@ -179,12 +179,6 @@ static const double *chart_of(const spline_system *system, size_t interval, size
     return system->charts != NULL ? spline_chart(system, interval, end) : NULL;
 }
 
-static void multiply(size_t n, const double *matrix, const double *vector, double *product)
-{
-    for (size_t c = 0; c < n; c++)
-        product[c] = vector_dot(n, matrix + c * n, vector);
-}
-
 /// Slopes of an interval from the velocities at its ends.
 static bat_status pull_slopes(spline_system *system, size_t i)
 {
@@ -197,14 +191,13 @@ static bat_status pull_slopes(spline_system *system, size_t i)
         for (size_t c = 0; c < size_of(system); c++)
             wanted[c] = system->lengths[i] * velocity[c];
         const double *chart = chart_of(system, i, end);
+        double *slope = at_end(system, system->slopes, i, end);
+        for (size_t c = 0; chart != NULL && c < n; c++)
+            slope[c] = vector_dot(n, chart + n * n + c * n, wanted);
         if (chart != NULL)
-        {
-            multiply(n, chart + n * n, wanted, at_end(system, system->slopes, i, end));
             continue;
-        }
-        bat_status status =
-            spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end), point_of(system, key),
-                        wanted, turning_of(system, i, end), at_end(system, system->slopes, i, end));
+        bat_status status = spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end),
+                                        point_of(system, key), wanted, turning_of(system, i, end), slope);
         if (status != BAT_OK)
             return status;
     }

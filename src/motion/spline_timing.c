@@ -48,11 +48,6 @@ typedef struct timing_work
     double rest[TIMING_PARTS];
 } timing_work;
 
-static bool is_limited(const timing_work *work, size_t part)
-{
-    return work->limits->speed[part] > 0 || work->limits->acceleration[part] > 0;
-}
-
 static double length_of(const timing_work *work, size_t cell)
 {
     size_t i = cell / work->cells;
@@ -87,8 +82,11 @@ static bool is_free(const timing_work *work, size_t cell)
     double moves = 0;
     for (size_t k = 0; k < PLACES; k++)
         for (size_t part = 0; part < TIMING_PARTS; part++)
-            if (is_limited(work, part) && rates_of(work, cell, k)[part].vv > work->rest[part])
+        {
+            bool limited = work->limits->speed[part] > 0 || work->limits->acceleration[part] > 0;
+            if (limited && rates_of(work, cell, k)[part].vv > work->rest[part])
                 moves++;
+        }
     return moves == 0;
 }
 
