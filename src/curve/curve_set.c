@@ -81,17 +81,11 @@ void bat_curve_set_free(bat_curve_set *set)
     *set = (bat_curve_set){0};
 }
 
-/// Whether curves of one space can stand in the other: the same kind of points under the same name.
-static bool space_agrees(const bat_space *a, const bat_space *b)
-{
-    return a->point_dim == b->point_dim && strcmp(a->name, b->name) == 0;
-}
-
 static bat_status set_assemble(const bat_space *space, bat_curve *curves, size_t count, bat_curve_attributes *attributes,
                                bat_curve_set *set, bat_error *error)
 {
     for (size_t i = 0; i < count; i++)
-        if (!space_agrees(curves[i].space, space))
+        if (curves[i].space->point_dim != space->point_dim || strcmp(curves[i].space->name, space->name) != 0)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "curve %zu is in the space %s and not in %s", i,
                              curves[i].space->name, space->name);
     bat_space *copy = malloc(sizeof *copy);
@@ -131,13 +125,6 @@ bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *curves, ba
     return set_assemble(source->space, curves, source->count, source->attributes, result, error);
 }
 
-/// The line that the remainder of the file knows.
-static size_t line_of_curve(const bat_curve_attributes *attributes, size_t curve)
-{
-    const file_remainder *remainder = &attributes->remainder;
-    return remainder->content != NULL ? remainder->line(remainder->content, curve) : 0;
-}
-
 bool bat_curve_set_has_features(const bat_curve_set *set)
 {
     return set->attributes != NULL && set->attributes->remainder.content != NULL;
@@ -147,8 +134,10 @@ size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point)
 {
     if (curve >= set->count || point >= set->curves[curve].count)
         return 0;
+    if (set->lines == NULL && !bat_curve_set_has_features(set))
+        return 0;
     if (set->lines == NULL)
-        return set->attributes != NULL ? line_of_curve(set->attributes, curve) : 0;
+        return set->attributes->remainder.line(set->attributes->remainder.content, curve);
     size_t before = 0;
     for (size_t i = 0; i < curve; i++)
         before += set->curves[i].count;

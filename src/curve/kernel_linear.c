@@ -149,17 +149,6 @@ static void refine_block(const mask_taps *even_taps, const mask_taps *odd_taps, 
     }
 }
 
-/// Spaces of more than BLOCK dimensions: one row at a time, straight into place.
-static void refine_wide_rows(const mask_taps *even_taps, const mask_taps *odd_taps, size_t dim, const double *points,
-                             size_t rows, double *fine)
-{
-    for (size_t j = 0; j < rows; j++)
-    {
-        sum_rows(even_taps, dim, points + j * dim, dim, fine + 2 * j * dim);
-        sum_rows(odd_taps, dim, points + j * dim, dim, fine + (2 * j + 1) * dim);
-    }
-}
-
 typedef struct linear_data
 {
     mask_taps even, odd;
@@ -172,11 +161,13 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
     size_t dim = kernel->dim;
     const linear_data *data = kernel_data_of(kernel);
     const mask_taps *even = &data->even, *odd = &data->odd;
-    if (dim > BLOCK)
+    for (size_t j = 0; j < pairs && dim > BLOCK; j++) // one row at a time, straight into place
     {
-        refine_wide_rows(even, odd, dim, points, pairs, fine);
-        return BAT_OK;
+        sum_rows(even, dim, points + j * dim, dim, fine + 2 * j * dim);
+        sum_rows(odd, dim, points + j * dim, dim, fine + (2 * j + 1) * dim);
     }
+    if (dim > BLOCK)
+        return BAT_OK;
     size_t rows_at_once = BLOCK / dim;
     for (size_t done = dim == 2 ? refine_common_pairs(even, odd, points, pairs, fine) : 0; done < pairs;
          done += rows_at_once)

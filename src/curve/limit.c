@@ -296,12 +296,6 @@ bool iterated_mask_step(iterated_mask *iterated)
     return true;
 }
 
-/// What rounding may have done to the operator norm after `steps`.
-static double iterated_mask_rounding(const iterated_mask *iterated, size_t steps)
-{
-    return (double)(steps * (iterated->mask->count + 1)) * DBL_EPSILON * pow(iterated->norm_of_step, (double)steps);
-}
-
 bat_status mask_iterated_norm(const bat_mask *mask, size_t depth, double *best, bat_error *error)
 {
     iterated_mask iterated;
@@ -312,7 +306,9 @@ bat_status mask_iterated_norm(const bat_mask *mask, size_t depth, double *best, 
     for (size_t steps = 1; steps <= depth && iterated_mask_step(&iterated); steps++)
     {
         const double norm = mask_operator_norm(iterated.coefficients, iterated.count, iterated.arity);
-        const double bound = norm + (steps == 1 ? 0.0 : iterated_mask_rounding(&iterated, steps));
+        const double sums = (double)(steps * (mask->count + 1));
+        const double rounding = sums * DBL_EPSILON * pow(iterated.norm_of_step, (double)steps);
+        const double bound = norm + (steps == 1 ? 0.0 : rounding);
         *best = fmin(*best, pow(bound, 1.0 / (double)steps) * (1.0 + 4.0 * DBL_EPSILON));
     }
     iterated_mask_end(&iterated);

@@ -178,11 +178,6 @@ static bat_status for_each(pieces *all, piece_work *work_on, void *context, bat_
     return shared_work_end(&work, error);
 }
 
-static double edge_length(const bat_curve *curve)
-{
-    return curve->space->distance(curve->space, curve->points, curve->points + curve->space->point_dim);
-}
-
 /// The least levels of the edges before and after a joint at which the curve turns by no more than JOINT_TURN there, or by
 /// JOINT_SHARE of the given turn.
 static bat_status smooth_joint(const refine_source *source, size_t before, size_t after, unsigned char *levels,
@@ -234,7 +229,8 @@ static bat_status choose_levels(pieces *all, piece *part, void *context BAT_UNUS
     }
     if (part->straight)
     {
-        size_t needed = stop_levels_of_geodesic(options, edge_length(&curve));
+        double length = curve.space->distance(curve.space, curve.points, curve.points + curve.space->point_dim);
+        size_t needed = stop_levels_of_geodesic(options, length);
         levels[0] = (unsigned char)needed;
         return needed != SIZE_MAX ? BAT_OK : stop_needs_more(0, options->max_levels, error);
     }
@@ -545,14 +541,6 @@ static void fill_starts(const pieces *all, size_t *starts)
     starts[all->edges] = open ? all->rows - 1 : all->rows;
 }
 
-/// Flags at the rows of corners.
-static void fill_corners(const pieces *all, const size_t *starts, unsigned char *flags)
-{
-    for (size_t i = 0; i < all->vertices; i++)
-        if (all->corners[i] != 0)
-            flags[starts[i]] = 1;
-}
-
 /// The parts of the work: a search for levels takes about as long as the refinement, a test for crossings less.
 static const double SEARCH_SHARE = 0.4, RUN_SHARE = 0.4;
 
@@ -631,8 +619,9 @@ bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options
         status = pieces_run(&all, coarse, result.points, result.channels, rows, error);
     if (status == BAT_OK)
     {
-        if (result.corners != NULL)
-            fill_corners(&all, rows, result.corners);
+        for (size_t i = 0; result.corners != NULL && i < all.vertices; i++)
+            if (all.corners[i] != 0)
+                result.corners[rows[i]] = 1;
         *fine = result;
     }
     else if (room == NULL)

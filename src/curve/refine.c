@@ -9,11 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rule)
-{
-    return rule != BAT_CURVE_END_RULE_EXTRAPOLATE ? POLYGON_END_REFLECT : scheme_kind_of(scheme)->end(scheme);
-}
-
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
 typedef struct padded_rows
 {
@@ -55,8 +50,11 @@ static bat_status extend(padded_rows *coarse, const refine_kernel *kernel, const
     if (scheme_kind_of(scheme)->beside_channels && ends == BAT_CURVE_END_RULE_EXTRAPOLATE && !coarse->closed)
         return parametric_extend(coarse->space, kernel->space, scheme->parameters, coarse->rows, coarse->count,
                                  coarse->before, coarse->after, error);
-    return polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends), coarse->before,
-                          coarse->after, error);
+    polygon_end end = POLYGON_END_REFLECT;
+    if (ends == BAT_CURVE_END_RULE_EXTRAPOLATE)
+        end = scheme_kind_of(scheme)->end(scheme);
+    return polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end, coarse->before, coarse->after,
+                          error);
 }
 
 /// Refine rows by the levels of `task`, whose result goes to `fine`.

@@ -176,15 +176,6 @@ static bat_status suits_linear(const bat_curve_scheme *scheme BAT_UNUSED, const 
                      space->name);
 }
 
-/// Whether a rule is made for a space.
-static bat_status check_rule_space(const bat_space *space, const bat_curve_angle_rule *rule, bat_error *error)
-{
-    const char *fault = rule->fault != NULL ? rule->fault(rule, space) : NULL;
-    return fault == NULL ? BAT_OK
-                         : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s",
-                                     rule->name, space->name, fault);
-}
-
 static bat_status suits_angle(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error)
 {
     if (space->exterior_angle == NULL || space->apex == NULL)
@@ -192,7 +183,12 @@ static bat_status suits_angle(const bat_curve_scheme *scheme, const bat_space *s
                          "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
                          "dimension %zu; try log-exp-4",
                          space->name, space->dimension);
-    return scheme->rule != NULL ? check_rule_space(space, scheme->rule, error) : BAT_OK;
+    const bat_curve_angle_rule *rule = scheme->rule;
+    const char *fault = rule != NULL && rule->fault != NULL ? rule->fault(rule, space) : NULL;
+    if (fault != NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s", rule->name,
+                         space->name, fault);
+    return BAT_OK;
 }
 
 static bool keeps_always(const bat_curve_scheme *scheme BAT_UNUSED)
