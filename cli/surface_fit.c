@@ -227,7 +227,8 @@ const char *surface_verdict(const bat_surface_verdict *verdict)
     static const char *const TEXTS[] = {
         "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
         "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
-    static const char *const DOUBTS[] = {"right", "right, but it leaves the tangent planes of the points beside it",
+    static const char *const DOUBTS[] = {"right",
+                                         "right, but it leaves the tangent planes of the points beside it",
                                          "right, but neighbours on its outline are far apart",
                                          "right, but points are sparse at its outline, so that the shape may go on",
                                          "right, but a gap between points is closed",

@@ -456,8 +456,7 @@ static void bad_keyframes_name_their_lines(void **state)
     const char header[] = "time,qw,qx,qy,qz\n";
     char text[200];
 #define ROWS(rows) (snprintf(text, sizeof text, "%s%s", header, rows), text)
-    assert_refused(ROWS("0,1,0,0,0\n"), "rotation", &sampled, BAT_INVALID_ARGUMENT, 0,
-                   "needs at least 2 points");
+    assert_refused(ROWS("0,1,0,0,0\n"), "rotation", &sampled, BAT_INVALID_ARGUMENT, 0, "needs at least 2 points");
     assert_refused(ROWS("0,1,0,0,0\n# half a turn\n1,0,1,0,0\n"), "rotation", &sampled, BAT_CUT_LOCUS, 4, "lines 2 and 4");
     assert_refused(ROWS("0,1,0,0,0\n1,-1,0,0,0\n"), "rotation", &refined, BAT_INVALID_POINT, 3, "lines 2 and 3");
     assert_refused("x,y,time,height\n0,0,0,5\n1,1,1,6\n", "plane", &sampled, BAT_UNSUPPORTED, 0, "other columns");
