@@ -220,8 +220,9 @@ static void a_failure_in_the_middle_keeps_the_old_file(void **state)
 {
     const char *path = path_in(*state, "curves.geojson");
     put(path, "old");
-    bat_curve_set set = must_read("lon,lat\n1,2\n3,4\n\n5,6\n", BAT_CURVE_FORMAT_CSV, NULL);
+    bat_curve_set set = must_read("lon,lat\n1,2\n3,4\n\n5,6\n7,8\n", BAT_CURVE_FORMAT_CSV, NULL);
     bat_error error = {0};
+    set.curves[1].count = 1; // no line
     assert_int_equal(bat_curve_write(path, &set, NULL, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "curve 1"));
     bat_curve_set_free(&set);
