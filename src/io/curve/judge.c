@@ -5,6 +5,7 @@
 #include "curve/polygon.h"
 #include "curve/topology/edge_tree.h"
 #include "linalg/vector.h"
+#include "search/nearest.h"
 
 /// @file
 /// The judge of refined polygons. It looks at the positions that a file will hold, cuts and closures included, and shares
@@ -138,10 +139,8 @@ static bat_status find_fault(const flat_rings *flat, fault_search *search, bat_e
 /// Whether an edge passes a place, or begins there.
 static bool passes_by(const double *p, const double *q, const double *place, double apart)
 {
-    double edge[2] = {q[0] - p[0], q[1] - p[1]}, to[2] = {place[0] - p[0], place[1] - p[1]};
-    double share = fmin(fmax(vector_dot(2, to, edge) / vector_dot(2, edge, edge), 0), 1);
-    return hypot(to[0] - share * edge[0], to[1] - share * edge[1]) <= apart &&
-           hypot(place[0] - q[0], place[1] - q[1]) > apart;
+    double square = apart * apart;
+    return segment_squared(p, q, place, 2, 1) <= square && point_squared(q, place, 2, 1) > square;
 }
 
 /// Whether a ring leads there and back along a line, or touches itself at a fault of what became of it. Rounding can keep
