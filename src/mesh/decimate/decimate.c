@@ -142,8 +142,11 @@ static void compute_errors(decimation *all)
         {
             error_placement placed;
             uint32_t kept;
-            bool live = mesh->half_edge[e] != BAT_MESH_NONE, known = live && !all->sweeping;
-            all->errors[e] = known && place(all, (uint32_t)e, &kept, &placed) ? placed.error : known || !live ? INFINITY : 0;
+            bool live = mesh->half_edge[e] != BAT_MESH_NONE;
+            if (live && all->sweeping)
+                all->errors[e] = 0;
+            else
+                all->errors[e] = live && place(all, (uint32_t)e, &kept, &placed) ? placed.error : INFINITY;
         }
     }
 }
