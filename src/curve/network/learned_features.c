@@ -202,6 +202,8 @@ double learned_braked(const double *angles, const learned_logs *logs, double wan
     moments deviations = moments_make(), areas = moments_make(), sizes = moments_make();
     double lengths[2 * W + 1], found[2 * W], same = 0, pairs = 0;
     size_t count = 0, low = 0;
+    if (repeat_soon(angles))
+        return angle;
     find_sizes(logs, W, lengths + W);
     for (int i = 0; i <= 2 * W; i++)
         moments_add(&sizes, lengths[i]);
@@ -217,7 +219,7 @@ double learned_braked(const double *angles, const learned_logs *logs, double wan
         same += paired && angles[i] * angles[i + 1] > 0;
         pairs += paired;
     }
-    if (count < FEWEST || repeat_soon(angles))
+    if (count < FEWEST)
         return angle;
     for (size_t i = 0; i < count; i++)
         low += found[i] <= deviations.least + LOW;
