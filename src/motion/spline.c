@@ -807,12 +807,14 @@ static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_s
     how.turns = how.begin_velocity = how.end_velocity = NULL;
     how.ends = how.ends == BAT_MOTION_ENDS_CLAMPED ? BAT_MOTION_ENDS_AUTO : how.ends;
     how.gyro = NULL;
-    double *rows = memory_array(keys->count, 3 * sizeof *rows), *path = calloc(fused->count, 6 * sizeof *path);
+    size_t numbers = 3 * keys->count;
+    double *rows = memory_array(4 * numbers, sizeof *rows), *path = calloc(fused->count, 6 * sizeof *path);
     bat_status status = rows != NULL && path != NULL ? BAT_OK : error_memory(error, fused->count * 6 * sizeof *path);
+    force_rest rest = {rows + numbers, rows + 2 * numbers, rows + 3 * numbers, 0};
     if (status == BAT_OK)
         gather(keys->points, keys->count, 7, 0, 3, rows);
     if (status == BAT_OK && options->gyro->forces != NULL)
-        status = force_path(fused, options->gyro, keys->times, rows, keys->count, how.sigma, path, force, error);
+        status = force_path(fused, options->gyro, keys->times, rows, keys->count, how.sigma, path, &rest, force, error);
     for (size_t i = 0, key = 0; status == BAT_OK && i < fused->count && key < keys->count; i++)
         if (fused->times[i] == keys->times[key])
         {
@@ -820,10 +822,22 @@ static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_s
                 rows[3 * key + c] -= path[6 * i + c];
             key++;
         }
+    bool settled = status == BAT_OK && force->used && how.sigma != 0 && how.outliers == BAT_MOTION_OUTLIERS_NONE;
+    if (settled)
+    {
+        memcpy(rows, rest.keys, numbers * sizeof *rows);
+        how.sigma = 0;
+    }
     bat_hermite_curve moved = {.space = &space, .points = rows, .times = keys->times, .count = keys->count};
     bat_motion_spline *spline = NULL;
     if (status == BAT_OK)
         status = bat_motion_spline_make(&moved, &how, &spline, error);
+    if (status == BAT_OK && settled)
+    {
+        memcpy(spline->uncertainties, rest.deviations, numbers * sizeof *rows);
+        memcpy(spline->wander, rest.wander, numbers * sizeof *rows);
+        spline->sigmas[0] = rest.sigma;
+    }
     for (size_t i = 0; i < fused->count && status == BAT_OK; i++)
     {
         double *point = made->points + 7 * i, *velocity = made->tangents + 6 * i;

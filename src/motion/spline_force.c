@@ -1,5 +1,6 @@
 #include "motion/spline_system.h"
 
+#include "base/error.h"
 #include "base/golden.h"
 #include "base/memory.h"
 #include "curve/smooth_fit.h"
@@ -7,6 +8,7 @@
 #include "linalg/vector.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // With the rotations R of the body, a bias b and gravity g, specific forces f tell the acceleration R (f - b) + g.
@@ -24,13 +26,16 @@ enum
     COLUMNS = UNKNOWNS + 2,
     KEYS_ALONE = UNKNOWNS + 1,
     ALL = 3 * COLUMNS,
-    SEARCH_STEPS = 30 // of golden sections
+    SEARCH_STEPS = 30, // of golden sections
+    GRID_STEPS = 54
 };
 
 /// Ratios of the keys' noise to that of the path in a mean step, squared; the bias of the prior relative to the force,
 /// the share of the energy of the keys' accelerations from which on forces do not tell the motion; and that of the distances
 /// of keys from what others predict.
 static const double LOW_RATIO = 1e-8, HIGH_RATIO = 1e4, PRIOR = 0.05, CONTRADICTS = 0.5, PREDICTS = 0.18;
+/// The standard deviation of the logarithm of the forces' noise beside what is expected.
+static const double SURE = 1.5;
 
 typedef struct force_work
 {
@@ -40,6 +45,7 @@ typedef struct force_work
     const double *keys, *times; ///< count x 3, count
     size_t count;
     double known, prior, step; ///< the noise of a component of keys, or 0; of the bias; the mean time between keys
+    double expected;           ///< noise, in the sense of `noise`, by that of the forces and of the rotations
     double found[UNKNOWNS], spread[UNKNOWNS * UNKNOWNS], energy, alone, noise;
 } force_work;
 
@@ -89,12 +95,14 @@ static void integrate(force_work *work, double *path)
     }
 }
 
-/// Find b and g for a lambda; returns minus twice the logarithm of the likelihood, up to a constant.
+/// Find b and g for a lambda; returns minus twice the logarithm of the restricted likelihood and of the prior of the forces'
+/// noise, up to a constant.
 static double estimate(force_work *work, double lambda)
 {
     const smooth_fit *fit = &work->fit;
     double cube = pow(work->step, 3), logs = 3 * smooth_fit_factor(fit, lambda / cube), products[COLUMNS][COLUMNS] = {{0}};
-    double degrees = 3 * ((double)work->count - 2), known = work->known * work->known, normal[UNKNOWNS * UNKNOWNS];
+    double degrees = fmax(3 * ((double)work->count - 2) - UNKNOWNS, 1), known = work->known * work->known,
+           normal[UNKNOWNS * UNKNOWNS];
     (void)smooth_fit_bend(fit);
     for (size_t j = 0; j + 2 < work->count; j++)
         for (size_t r = 0; r < ALL; r += COLUMNS)
@@ -106,9 +114,10 @@ static double estimate(force_work *work, double lambda)
                     products[a][b] += bend * z[b] / cube;
             }
     work->alone = products[KEYS_ALONE][KEYS_ALONE];
-    double noise = known > 0 ? known / lambda : fmin(products[0][0], work->alone) / degrees;
+    double size = 0, noise = known > 0 ? known / lambda : fmin(products[0][0], work->alone) / degrees;
     for (int round = 0; round < 3; round++)
     {
+        size = 0;
         memset(work->spread, 0, sizeof work->spread);
         for (size_t a = 0; a < UNKNOWNS; a++)
         {
@@ -118,6 +127,8 @@ static double estimate(force_work *work, double lambda)
         }
         if (decompose_solve(UNKNOWNS, UNKNOWNS, normal, work->spread, NULL) != BAT_OK)
             return INFINITY;
+        for (size_t a = 0; a < UNKNOWNS; a++) // of the triangular factor
+            size += log(fabs(normal[(UNKNOWNS + 1) * a]));
         work->energy = products[0][0];
         for (size_t a = 0; a < UNKNOWNS; a++)
         {
@@ -130,7 +141,9 @@ static double estimate(force_work *work, double lambda)
         work->noise = noise;
         noise = known > 0 ? noise : work->energy / degrees;
     }
-    return known > 0 ? work->energy / noise + degrees * log(noise) + logs : degrees * log(fmax(work->energy, 1e-300)) + logs;
+    double apart = log(fmax(work->noise, 1e-300) / work->expected) / SURE;
+    return size + logs + apart * apart +
+           (known > 0 ? work->energy / noise + degrees * log(noise) : degrees * log(fmax(work->energy, 1e-300)));
 }
 
 /// Whether keys without noise lie nearer to the spline through the others with the forces: of smooth motions with dense keys
@@ -155,18 +168,59 @@ static bool predict_keys(const force_work *work)
     return squares[0] < PREDICTS * PREDICTS * squares[1];
 }
 
-/// The lambda of the greatest likelihood, by golden sections; none for keys without noise.
-static void find_lambda(force_work *work, bool noisy)
+/// The lambda of the keys' mean noise, in its distribution by the likelihood: few keys tell it so little that the greatest
+/// likelihood often has none. A flat prior of the noise; golden sections find a sharp maximum. None for keys without noise.
+static double find_lambda(force_work *work, bool noisy)
 {
-    double cube = pow(work->step, 3);
-    golden_search search = golden_begin(log(LOW_RATIO * cube), log(HIGH_RATIO * cube));
+    double cube = pow(work->step, 3), low = log(LOW_RATIO * cube), high = log(HIGH_RATIO * cube);
+    double noise = 0, sum = 0, least = INFINITY;
+    golden_search search = golden_begin(low, high);
     for (int step = 0; step < SEARCH_STEPS && noisy; step++)
         golden_tell(&search, estimate(work, exp(search.at)));
-    (void)estimate(work, noisy ? exp((search.low + search.high) / 2) : 0);
+    double best = (search.low + search.high) / 2;
+    for (int step = -1; step <= GRID_STEPS && noisy; step++)
+    {
+        double at = step < 0 ? best : low + (high - low) * step / GRID_STEPS, deviance = estimate(work, exp(at));
+        double fall = deviance < least ? exp((deviance - least) / 2) : 1,
+               share = exp((fmin(deviance, least) - deviance) / 2 + at / 2);
+        least = fmin(deviance, least);
+        sum = fall * sum + share;
+        noise = fall * noise + share * exp(at);
+    }
+    double lambda = noisy && sum > 0 ? noise / sum : 0;
+    (void)estimate(work, lambda);
+    return lambda;
+}
+
+/// What the keys are away from the path, by the smoothing spline of this model, with the variance of all that is estimated.
+static void settle(force_work *work, double lambda, force_rest *rest)
+{
+    double weight = lambda / pow(work->step, 3), move[ALL];
+    smooth_fit_invert(&work->fit);
+    for (size_t i = 0; i < work->count; i++)
+    {
+        smooth_fit_bend_back(&work->fit, i, weight, move);
+        double variance = lambda * fmax(1 - smooth_fit_variance(&work->fit, i, weight), 0);
+        for (size_t r = 0; r < 3; r++)
+        {
+            const double *column = work->fit.residuals + ALL * i + COLUMNS * r, *moved = move + COLUMNS * r;
+            double left = column[0] + moved[0], drift = 0;
+            for (size_t a = 0; a < UNKNOWNS; a++)
+            {
+                left -= work->found[a] * (column[a + 1] + moved[a + 1]);
+                drift += moved[a + 1] * vector_dot(UNKNOWNS, work->spread + UNKNOWNS * a, moved + 1);
+            }
+            rest->keys[3 * i + r] = left;
+            rest->deviations[3 * i + r] = sqrt(work->noise * (variance + drift));
+            rest->wander[3 * i + r] = work->noise * pow(work->fit.steps[i] * work->step / 2, 3) / 24;
+        }
+    }
+    rest->sigma = sqrt(3 * work->noise * lambda);
 }
 
 bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, const double *times, const double *keys,
-                      size_t count, double sigma, double *path, bat_motion_force_report *report, bat_error *error)
+                      size_t count, double sigma, double *path, force_rest *rest, bat_motion_force_report *report,
+                      bat_error *error)
 {
     force_work work = {.fused = fused, .gyro = gyro, .keys = keys, .times = times, .count = count};
     double squares = 0;
@@ -175,6 +229,13 @@ bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, con
     work.prior = fmax(PRIOR * sqrt(squares), 1e-300);
     work.known = sigma > 0 ? sigma / sqrt(3) : 0;
     work.step = (times[count - 1] - times[0]) / (double)(count - 1);
+    double *sorted = memory_array(gyro->count, sizeof *sorted);
+    if (sorted == NULL)
+        return error_memory(error, gyro->count * sizeof *sorted);
+    // An error of the rotation turns the force, and lasts for about a step.
+    double turned = squares * vector_square(count, fused->deviations) / (double)count;
+    work.expected = fmax(pow(gyro_walk_of(gyro, gyro->forces, sorted), 2) + turned * work.step, 1e-300);
+    free(sorted);
     bat_status status = smooth_fit_make(count, ALL, false, &work.fit, error);
     if (status == BAT_OK)
     {
@@ -185,7 +246,7 @@ bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, con
             work.fit.slacks[i] = 1;
         }
         integrate(&work, path);
-        find_lambda(&work, sigma != 0);
+        double lambda = find_lambda(&work, sigma != 0);
         report->explained = work.alone > 0 ? 1 - work.energy / work.alone : 0;
         report->used = report->explained > 1 - CONTRADICTS && (sigma != 0 || predict_keys(&work));
         report->noise = sqrt(work.noise);
@@ -196,7 +257,10 @@ bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, con
             report->gravity[c] = work.found[3 + c];
         }
         if (report->used)
+        {
             integrate(&work, path);
+            settle(&work, lambda, rest);
+        }
         else
             memset(path, 0, fused->count * 6 * sizeof *path);
     }

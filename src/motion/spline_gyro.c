@@ -37,7 +37,7 @@ typedef struct gyro_work
     gyro_fusion *fused;
     size_t count;
     double known; ///< the noise of keys in a component; 0 when unknown
-    double walk;  ///< the least one; see walk_of_rates()
+    double walk;  ///< the least one; see gyro_walk_of()
     double step;  ///< the mean time between keys
     double bias[3], constant[4];
     size_t *places;             ///< of the keys in the fused times
@@ -158,15 +158,14 @@ static double filter(gyro_work *work, double ratio)
     return work->known > 0 ? squares / variance + logs : degrees * log(fmax(squares, 1e-300)) + logs;
 }
 
-/// The walk by the noise of the rates: of normal noise in three dimensions the median of squares of third differences is 20
-/// times 2.366 times the variance. `sorted` is work space.
-static double walk_of_rates(const bat_motion_gyro *gyro, double *sorted)
+// Of normal noise in three dimensions the median of squares of third differences is 20 times 2.366 times the variance.
+double gyro_walk_of(const bat_motion_gyro *gyro, const double *rows, double *sorted)
 {
     size_t count = 0;
     double step = (gyro->times[gyro->count - 1] - gyro->times[0]) / (double)(gyro->count - 1);
     for (size_t i = 3; i < gyro->count; i++)
     {
-        const double *r = gyro->rates + 3 * i;
+        const double *r = rows + 3 * i;
         double sum = 0;
         for (size_t c = 0; c < 3; c++)
         {
@@ -337,7 +336,7 @@ bat_status gyro_fuse(const double *times, const double *keys, size_t count, cons
     status = allocate(&work, error);
     if (status == BAT_OK)
     {
-        work.walk = walk_of_rates(gyro, work.turned); // which is not in use yet
+        work.walk = gyro_walk_of(gyro, gyro->rates, work.turned); // which is not in use yet
         merge_times(&work);
         guess_bias(&work);
     }

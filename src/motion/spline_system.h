@@ -260,16 +260,29 @@ typedef struct gyro_fusion
 bat_status gyro_fuse(const double *times, const double *keys, size_t count, const bat_motion_gyro *gyro, double sigma,
                      gyro_fusion *fusion, bat_error *error);
 
+/// The random walk that the noise of rows of 3 measurements integrates to, in a second. `sorted` has gyro->count numbers.
+double gyro_walk_of(const bat_motion_gyro *gyro, const double *rows, double *sorted);
+
 /// A row of 3 measurements at a time, linear between. `*near` is one before it, and goes up.
 void gyro_row_at(const bat_motion_gyro *gyro, const double *rows, double time, size_t *near, double *row);
+
+/// What is left of keys beside a path, smoothed; the caller's arrays of count x 3.
+typedef struct force_rest
+{
+    double *keys, *deviations; ///< and their standard deviations
+    double *wander;            ///< that of spline_smooth()
+    double sigma;              ///< the noise of the keys
+} force_rest;
 
 /// The path that specific forces tell, but for a start and a velocity.
 ///
 /// @param keys  count x 3, translations at `times`, which the fusion has, too
 /// @param sigma the noise of the keys; 0: none; below 0: it is estimated
 /// @param path  receives a place and a velocity for each rotation of the fusion; zeros where keys contradict the forces
+/// @param rest  is filled where forces are used
 bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, const double *times, const double *keys,
-                      size_t count, double sigma, double *path, bat_motion_force_report *report, bat_error *error);
+                      size_t count, double sigma, double *path, force_rest *rest, bat_motion_force_report *report,
+                      bat_error *error);
 
 // New times along a path: the fastest ones within limits of speed and acceleration
 

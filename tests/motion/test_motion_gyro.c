@@ -194,21 +194,36 @@ static void place_at_time(double t, double *place, double *acceleration)
     }
 }
 
-/// The error of the translations of a spline through every fourth key with a gyroscope.
-static double error_of_places(const recording *given, const bat_space *rigid, size_t step, bat_motion_force_report *report)
+/// The noise of the keys' translations.
+typedef struct noise_of_places
 {
-    double times[KEYS], poses[7 * KEYS], point[7], place[3], squares = 0;
+    double size, sigma; ///< of each number; what the spline is told
+    uint64_t seed;
+} noise_of_places;
+
+/// The error of the translations of a spline through every `step`th key with a gyroscope.
+/// @param noise   null: none
+/// @param covered receives the share of the numbers within the intervals of 95 %
+static double error_of_places(const recording *given, const bat_space *rigid, size_t step, const noise_of_places *noise,
+                              double *covered, bat_motion_force_report *report)
+{
+    double times[KEYS], poses[7 * KEYS], point[7], place[3], deviations[6], squares = 0;
+    bat_random random = bat_random_seed(noise != NULL ? noise->seed : 0);
+    *covered = 0;
     bat_hermite_curve keys = {.space = rigid, .points = poses, .times = times};
     for (size_t i = 0; i < KEYS; i += step, keys.count++)
     {
         times[keys.count] = given->times[i];
         memcpy(poses + 7 * keys.count, given->poses + 7 * i, 7 * sizeof *poses);
         place_at_time(given->times[i], poses + 7 * keys.count, NULL);
+        for (size_t c = 0; c < 3; c++)
+            poses[7 * keys.count + c] += (noise != NULL ? noise->size : 0) * bat_random_normal(&random);
     }
     bat_motion_spline_options options = bat_motion_spline_defaults();
     bat_motion_spline *spline = NULL;
     bat_error error;
     options.gyro = &given->gyro;
+    options.sigma = noise != NULL ? noise->sigma : 0;
     if (bat_motion_spline_make(&keys, &options, &spline, &error) != BAT_OK)
         fail_msg("%s", error.text);
     *report = bat_motion_spline_keys(spline).force;
@@ -216,9 +231,13 @@ static double error_of_places(const recording *given, const bat_space *rigid, si
     {
         double time = SPAN * ((double)i + 0.5) / AT;
         check_status(bat_motion_spline_at(spline, time, point, NULL, NULL, NULL), BAT_OK);
+        check_status(bat_motion_spline_uncertainty(spline, &time, 1, deviations, NULL), BAT_OK);
         place_at_time(time, place, NULL);
         for (int c = 0; c < 3; c++)
+        {
             squares += (point[c] - place[c]) * (point[c] - place[c]) / AT;
+            *covered += fabs(point[c] - place[c]) <= 1.96 * deviations[c] ? 1.0 / (3 * AT) : 0;
+        }
     }
     bat_motion_spline_free(spline);
     return sqrt(squares);
@@ -250,10 +269,11 @@ static void forces_tell_the_way_between_keys(void **state)
         }
     }
     bat_motion_force_report report;
-    double without = error_of_places(given, &rigid, 2, &report);
+    double covered;
+    double without = error_of_places(given, &rigid, 2, NULL, &covered, &report);
     assert_true(report.noise == 0 && !report.used);
     given->gyro.forces = forces;
-    double with = error_of_places(given, &rigid, 2, &report);
+    double with = error_of_places(given, &rigid, 2, NULL, &covered, &report);
     print_message("errors %.3g, %.3g with forces, which explain %.4f\n", without, with, report.explained);
     assert_true(report.used && report.explained > 0.95 && with < 0.05 * without);
     for (size_t c = 0; c < 3; c++)
@@ -261,9 +281,21 @@ static void forces_tell_the_way_between_keys(void **state)
         assert_true(fabs(report.bias[c] - OFF[c]) < 4 * report.bias_sigma[c]);
         assert_true(fabs(report.gravity[c] - GRAVITY[c]) < 0.05);
     }
+    enum
+    {
+        SEEDS = 8
+    };
+    for (int told = 0; told < 2; told++)
+    {
+        double error = 0, all = 0, sigma = told ? 0.03 * sqrt(3) : BAT_MOTION_SIGMA_AUTO;
+        for (uint64_t seed = 0; seed < SEEDS; seed++, all += covered / SEEDS)
+            error += error_of_places(given, &rigid, 1, &(noise_of_places){0.03, sigma, seed}, &covered, &report) / SEEDS;
+        print_message("noise .03, %s: error %.3g, %.3f within 95 %%\n", told ? "told" : "found", error, all);
+        assert_true(report.used && error < 0.025 && all > 0.9 && all < 0.98);
+    }
     for (size_t i = 0; i < (size_t)3 * RATES; i++)
         forces[i] /= 9.81;
-    double again = error_of_places(given, &rigid, 2, &report);
+    double again = error_of_places(given, &rigid, 2, NULL, &covered, &report);
     assert_true(!report.used && report.explained < 0.5 && again == without);
     forces[7] = NAN;
     bat_motion_spline_options options = bat_motion_spline_defaults();
