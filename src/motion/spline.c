@@ -447,8 +447,10 @@ static size_t find_interval(const bat_motion_spline *spline, double time, size_t
     const double *times = spline->times;
     if (times[hint] <= time && time < times[hint + 1])
         return hint;
-    size_t part = bucket_of(spline, time);
-    return bisect_reals(times, spline->buckets[part], spline->buckets[part + 1] + 1, time);
+    size_t part = bucket_of(spline, time), low = spline->buckets[part], high = spline->buckets[part + 1];
+    if (high - low <= 1) // without a branch on the time, which a processor cannot predict
+        return low + (size_t)((high > low) & (times[high] <= time));
+    return bisect_reals(times, low, high + 1, time);
 }
 
 /// Where a time is on the motion.
