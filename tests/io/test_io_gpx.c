@@ -83,6 +83,12 @@ static void new_points_get_values_between(void **state)
     for (size_t i = 0; i < sizeof kept / sizeof *kept; i++)
         assert_has(text, kept[i]);
     free(text);
+    // Angles go around: none is between 350 and 10 degrees.
+    text = refined(TRACK("<trkpt lat=\"0\" lon=\"0\"><extensions><hr>1</hr><cog>350</cog></extensions></trkpt>"
+                         "<trkpt lat=\"0\" lon=\"1\"><extensions><hr>3</hr><cog>10</cog></extensions></trkpt>"),
+                   BAT_CURVE_FORMAT_GPX);
+    assert_has(text, "lon=\"0.5\"><extensions><hr>2</hr></extensions>");
+    free(text);
 }
 
 static void single_points_stay_in_the_file(void **state)

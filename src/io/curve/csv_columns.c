@@ -361,7 +361,8 @@ bool name_is_code(const char *name)
 
 bool name_is_angle(const char *name)
 {
-    return is_spelled(name_parse(name).base, SPELLINGS("heading", "course", "bearing", "azimuth", "yaw", "cog"));
+    return is_spelled(name_parse(name).base,
+                      SPELLINGS("heading", "course", "bearing", "azimuth", "yaw", "cog", "magvar", "direction"));
 }
 
 bool name_is_group(const char *name)

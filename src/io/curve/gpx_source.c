@@ -96,10 +96,10 @@ static int rank_of(const gpx_source *source, const gpx_column *column)
 /// Whether there are no values between those of an element: texts and codes, and angles, which go around.
 static bool is_discrete(const char *name)
 {
-    static const char *const discrete[] = {"name", "cmt",  "desc",   "src",    "url",     "urlname", "sym",      "type",
-                                           "fix",  "link", "course", "magvar", "heading", "bearing", "direction"};
+    static const char *const texts[] = {"name", "cmt", "desc", "src", "url", "urlname", "sym", "type", "fix", "link"};
     size_t place;
-    return name_is_code(name) || is_among(name, strlen(name), discrete, sizeof discrete / sizeof *discrete, &place);
+    return name_is_code(name) || name_is_angle(name) ||
+           is_among(name, strlen(name), texts, sizeof texts / sizeof *texts, &place);
 }
 
 static int compare_columns(const gpx_source *source, const gpx_column *a, const gpx_column *b)
