@@ -114,10 +114,10 @@ static double estimate(force_work *work, double lambda)
                     products[a][b] += bend * z[b] / cube;
             }
     work->alone = products[KEYS_ALONE][KEYS_ALONE];
-    double size = 0, noise = known > 0 ? known / lambda : fmin(products[0][0], work->alone) / degrees;
+    double log_determinant = 0, noise = known > 0 ? known / lambda : fmin(products[0][0], work->alone) / degrees;
     for (int round = 0; round < 3; round++)
     {
-        size = 0;
+        log_determinant = 0;
         memset(work->spread, 0, sizeof work->spread);
         for (size_t a = 0; a < UNKNOWNS; a++)
         {
@@ -128,7 +128,7 @@ static double estimate(force_work *work, double lambda)
         if (decompose_solve(UNKNOWNS, UNKNOWNS, normal, work->spread, NULL) != BAT_OK)
             return INFINITY;
         for (size_t a = 0; a < UNKNOWNS; a++) // of the triangular factor
-            size += log(fabs(normal[(UNKNOWNS + 1) * a]));
+            log_determinant += log(fabs(normal[(UNKNOWNS + 1) * a]));
         work->energy = products[0][0];
         for (size_t a = 0; a < UNKNOWNS; a++)
         {
@@ -142,7 +142,7 @@ static double estimate(force_work *work, double lambda)
         noise = known > 0 ? noise : work->energy / degrees;
     }
     double apart = log(fmax(work->noise, 1e-300) / work->expected) / SURE;
-    return size + logs + apart * apart +
+    return log_determinant + logs + apart * apart +
            (known > 0 ? work->energy / noise + degrees * log(noise) : degrees * log(fmax(work->energy, 1e-300)));
 }
 
@@ -181,6 +181,8 @@ static double find_lambda(force_work *work, bool noisy)
     for (int step = -1; step <= GRID_STEPS && noisy; step++)
     {
         double at = step < 0 ? best : low + (high - low) * step / GRID_STEPS, deviance = estimate(work, exp(at));
+        if (!isfinite(deviance))
+            continue;
         double fall = deviance < least ? exp((deviance - least) / 2) : 1,
                share = exp((fmin(deviance, least) - deviance) / 2 + at / 2);
         least = fmin(deviance, least);
@@ -233,7 +235,7 @@ bat_status force_path(const gyro_fusion *fused, const bat_motion_gyro *gyro, con
     if (sorted == NULL)
         return error_memory(error, gyro->count * sizeof *sorted);
     // An error of the rotation turns the force, and lasts for about a step.
-    double turned = squares * vector_square(count, fused->deviations) / (double)count;
+    double turned = squares * vector_square(fused->count, fused->deviations) / (double)fused->count;
     work.expected = fmax(pow(gyro_walk_of(gyro, gyro->forces, sorted), 2) + turned * work.step, 1e-300);
     free(sorted);
     bat_status status = smooth_fit_make(count, ALL, false, &work.fit, error);
