@@ -817,19 +817,19 @@ static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_s
         gather(keys->points, keys->count, 7, 0, 3, rows);
     if (status == BAT_OK && options->gyro->forces != NULL)
         status = force_path(fused, options->gyro, keys->times, rows, keys->count, how.sigma, path, &rest, force, error);
-    for (size_t i = 0, key = 0; status == BAT_OK && i < fused->count && key < keys->count; i++)
-        if (fused->times[i] == keys->times[key])
-        {
-            for (size_t c = 0; c < 3; c++)
-                rows[3 * key + c] -= path[6 * i + c];
-            key++;
-        }
     bool settled = status == BAT_OK && force->used && how.sigma != 0 && how.outliers == BAT_MOTION_OUTLIERS_NONE;
     if (settled)
     {
         memcpy(rows, rest.keys, numbers * sizeof *rows);
         how.sigma = 0;
     }
+    for (size_t i = 0, key = 0; status == BAT_OK && !settled && i < fused->count && key < keys->count; i++)
+        if (fused->times[i] == keys->times[key])
+        {
+            for (size_t c = 0; c < 3; c++)
+                rows[3 * key + c] -= path[6 * i + c];
+            key++;
+        }
     bat_hermite_curve moved = {.space = &space, .points = rows, .times = keys->times, .count = keys->count};
     bat_motion_spline *spline = NULL;
     if (status == BAT_OK)

@@ -27,7 +27,7 @@ enum
     KEYS_ALONE = UNKNOWNS + 1,
     ALL = 3 * COLUMNS,
     SEARCH_STEPS = 30, // of golden sections
-    GRID_STEPS = 54
+    PLACES = 56        // of lambda: its greatest likelihood, and all of its range
 };
 
 /// Ratios of the keys' noise to that of the path in a mean step, squared; the bias of the prior relative to the force,
@@ -173,21 +173,21 @@ static bool predict_keys(const force_work *work)
 static double find_lambda(force_work *work, bool noisy)
 {
     double cube = pow(work->step, 3), low = log(LOW_RATIO * cube), high = log(HIGH_RATIO * cube);
-    double noise = 0, sum = 0, least = INFINITY;
+    double places[PLACES], deviances[PLACES], least = INFINITY, noise = 0, sum = 0;
     golden_search search = golden_begin(low, high);
     for (int step = 0; step < SEARCH_STEPS && noisy; step++)
         golden_tell(&search, estimate(work, exp(search.at)));
-    double best = (search.low + search.high) / 2;
-    for (int step = -1; step <= GRID_STEPS && noisy; step++)
+    for (int i = 0; i < PLACES && noisy; i++)
     {
-        double at = step < 0 ? best : low + (high - low) * step / GRID_STEPS, deviance = estimate(work, exp(at));
-        if (!isfinite(deviance))
-            continue;
-        double fall = deviance < least ? exp((deviance - least) / 2) : 1,
-               share = exp((fmin(deviance, least) - deviance) / 2 + at / 2);
-        least = fmin(deviance, least);
-        sum = fall * sum + share;
-        noise = fall * noise + share * exp(at);
+        places[i] = i == 0 ? (search.low + search.high) / 2 : low + (high - low) * (i - 1) / (PLACES - 2);
+        deviances[i] = estimate(work, exp(places[i]));
+        least = fmin(least, deviances[i]);
+    }
+    for (int i = 0; i < PLACES && noisy; i++)
+    {
+        double share = isfinite(deviances[i]) ? exp((least - deviances[i]) / 2 + places[i] / 2) : 0;
+        sum += share;
+        noise += share * exp(places[i]);
     }
     double lambda = noisy && sum > 0 ? noise / sum : 0;
     (void)estimate(work, lambda);
