@@ -39,7 +39,7 @@ static const double FAST = 0.85;
 /// The ratio to the intervals beside it from which on an interval is a gap. Velocities at its ends tell the motion in it for
 /// this many radians, at their rate of change beside it over this share of its time: for more where keys on both sides last
 /// so long, as in a recording with a hole. At an open end one side alone tells, and the share told counts by its cube.
-static const double LONGER = 2.5, LONGER_AT_END = 2, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
+static const double LONGER = 2.5, LONGER_AT_END = 1.5, LONGER_AMONG_FEW = 2, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
 /// which its weight falls; and the weight below which it counts as held, and is not used.
@@ -349,7 +349,8 @@ static bool is_gap(const spline_system *system, size_t i)
     bool closed = is_closed(system), left = i > 0 || closed, right = i + 1 < system->intervals || closed;
     double before = left ? system->lengths[spline_interval_beside(system, i, -1)] : 0;
     double after = right ? system->lengths[spline_interval_beside(system, i, 1)] : 0;
-    return system->intervals > 1 && system->lengths[i] > (left && right ? LONGER : LONGER_AT_END) * fmax(before, after);
+    double longer = left && right ? LONGER : system->count < TELLING ? LONGER_AMONG_FEW : LONGER_AT_END;
+    return system->intervals > 1 && system->lengths[i] > longer * fmax(before, after);
 }
 
 /// The key or interval that is `steps` after another one, of `count`. False beyond an open end.
