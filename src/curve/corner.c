@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEGREE = CORNER_ANGLE_LIMIT / 180, RIGHT = CORNER_ANGLE_LIMIT / 2;
+static const double RIGHT = ANGLE_TURN / 4;
 /// A smaller turn is none.
 static const double MIN_CORNER = 20;
 /// A ring of so few vertices tells no curve: a lot, not an island.
@@ -115,7 +115,7 @@ static void find_directions(corner_search *search)
 /// Whether `found` of `count` edges within a width are more than chance gives (Chernoff's bound, for each edge).
 static bool is_significant(size_t found, size_t count, double width)
 {
-    double n = (double)count - 1, share = n > 0 ? ((double)found - 1) / n : 0, expected = width * DEGREE / RIGHT;
+    double n = (double)count - 1, share = n > 0 ? ((double)found - 1) / n : 0, expected = width * ANGLE_DEGREE / RIGHT;
     if (found < MIN_SQUARE_EDGES || share <= expected)
         return false;
     double others = share < 1 ? (1 - share) * log((1 - share) / (1 - expected)) : 0;
@@ -130,7 +130,8 @@ static double find_aligned(corner_search *search, double width)
     double whole = 0, sum = 0, most = 0;
     for (size_t first = 0, end = 0; first < n; first++)
     {
-        for (; end < first + n && sorted[end % n].angle + (end >= n ? RIGHT : 0) - sorted[first].angle <= width * DEGREE;
+        for (;
+             end < first + n && sorted[end % n].angle + (end >= n ? RIGHT : 0) - sorted[first].angle <= width * ANGLE_DEGREE;
              end++)
             sum += sorted[end % n].length;
         if (sum > most)
@@ -192,7 +193,7 @@ static void flag_square(const corner_search *search, bool cut, unsigned char *fl
 
 static bool is_right(double turn)
 {
-    return fabs(fabs(turn) - RIGHT) <= PAIR_WIDTH * DEGREE;
+    return fabs(fabs(turn) - RIGHT) <= PAIR_WIDTH * ANGLE_DEGREE;
 }
 
 /// Whether a straight run ends at a vertex.
@@ -205,7 +206,7 @@ static bool ends_run(const corner_search *search, size_t i)
         bool whole = search->curve->closed ? n > RUN_VERTICES + 1 : side < 0 ? i > RUN_VERTICES : i + RUN_VERTICES + 1 < n;
         for (size_t k = 1; k <= RUN_VERTICES && whole; k++)
             most = fmax(most, fabs(search->turns[(side < 0 ? i + n - k : i + k) % n]));
-        if (whole && most <= RUN_TURN * DEGREE)
+        if (whole && most <= RUN_TURN * ANGLE_DEGREE)
             return true;
     }
     return false;
@@ -222,7 +223,7 @@ static double deviation_at(const corner_search *search, size_t i)
 static bool ends_long_edges(const corner_search *search, size_t i, double tolerance)
 {
     double shorter = fmin(search->lengths[edge_at(search, i, -1)], search->lengths[i]), turn = fabs(search->turns[i]);
-    return turn > MIN_CORNER * DEGREE && shorter > search->median && shorter * turn > MAX_ARC * tolerance;
+    return turn > MIN_CORNER * ANGLE_DEGREE && shorter > search->median && shorter * turn > MAX_ARC * tolerance;
 }
 
 /// Flag the vertices of a simplified line between long edges. One alone is none.
@@ -255,8 +256,8 @@ static void flag_found(corner_search *search, unsigned char *flags)
     for (size_t i = 0; i < n; i++)
     {
         bool pair = is_right(turns[i]) && (is_right(turns[(i + 1) % n]) || is_right(turns[(i + n - 1) % n]));
-        bool back = fabs(turns[i]) > (CORNER_ANGLE_LIMIT - PAIR_WIDTH * DEGREE);
-        if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && (few || ends_run(search, i))))
+        bool back = fabs(turns[i]) > (CORNER_ANGLE_LIMIT - PAIR_WIDTH * ANGLE_DEGREE);
+        if (pair || back || (fabs(turns[i]) > MIN_CORNER * ANGLE_DEGREE && (few || ends_run(search, i))))
             flags[i] = 1;
     }
     bat_curve_edge_lengths(search->curve, search->lengths);

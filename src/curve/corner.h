@@ -1,12 +1,13 @@
 #pragma once
 
 #include "batten/curve.h"
+#include "linalg/vector.h"
 
 /// @file
 /// Corners: the vertices at which a curve is cut for refinement.
 
 /// The largest corner angle, pi: no vertex turns by more.
-#define CORNER_ANGLE_LIMIT 3.14159265358979323846
+#define CORNER_ANGLE_LIMIT ANGLE_PI
 
 /// Whether the scheme and the rule of the ends keep corners where they are.
 bool corners_stay(const bat_curve_refine_options *options);

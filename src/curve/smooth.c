@@ -307,7 +307,7 @@ static void weigh_by_scale(smooth_piece *p, double scale)
         if (fit->slacks[i] > 0)
             fit->slacks[i] = 2 / (fit->steps[i == 0 ? p->count - 1 : i - 1] + fit->steps[i]);
     double length = fmin(scale, (p->closed ? RING_SHARE : STRAIGHT) * whole);
-    fit->weight = pow(length / (2 * 3.14159265358979323846 * mean), 4);
+    fit->weight = pow(length / (ANGLE_TURN * mean), 4);
 }
 
 // Borders of pixels

@@ -6,7 +6,11 @@
 #include <stdint.h>
 
 /// @file
-/// Short vectors. First: places in the plane.
+/// Angles in radians, and short vectors. First: places in the plane.
+
+#define ANGLE_PI 3.14159265358979323846
+#define ANGLE_TURN 6.28318530717958647693
+#define ANGLE_DEGREE (ANGLE_PI / 180)
 
 /// Twice the signed area of the triangle a b c: positive where it is counter-clockwise.
 static inline double vector2_turn(const double a[2], const double b[2], const double c[2])

@@ -34,7 +34,6 @@ enum
     OPERATIONS = 300
 };
 
-static const double FULL_TURN = 6.28318530717958647693;
 /// Half angles nearer to 0 or to half a turn than this have no direction of their own.
 static const double SAME = 1e-9;
 /// Velocities agree with keys within this angle, in at least this share of the intervals that have both.
@@ -236,10 +235,10 @@ static double nearest_way(const double *p, const double *q, const double *wanted
     bool same = sine < SAME;
     const double axis[] = {same ? wanted[0] : step.x, same ? wanted[1] : step.y, same ? wanted[2] : step.z};
     double scale = same ? length : sine, along = scale > 0 ? vector_dot(3, axis, wanted) / scale : 0;
-    double turns = round((along - angle) / FULL_TURN), apart = 0;
+    double turns = round((along - angle) / ANGLE_TURN), apart = 0;
     for (size_t c = 0; c < 3; c++)
     {
-        way[c] = scale > 0 ? (angle + turns * FULL_TURN) * axis[c] / scale : 0;
+        way[c] = scale > 0 ? (angle + turns * ANGLE_TURN) * axis[c] / scale : 0;
         apart += (way[c] - wanted[c]) * (way[c] - wanted[c]);
     }
     *shortest = turns == 0 && step.cosine > SAME;

@@ -17,8 +17,6 @@ enum
     PULL_STEPS = 2
 };
 
-static const double FULL_TURN = 6.28318530717958647693;
-
 /// The step of differences. Formulas of sixth order have an error of its sixth power over 140 and 560, below 1e-11 of the
 /// derivatives that they leave out, and rounding of 1e-16 over its square.
 static const double STEP = 1.0 / 32;
@@ -380,7 +378,7 @@ size_t spline_factor_record_size(const spline_factor *f)
 static double middle_share(const double *way)
 {
     static const double SHARES[] = {0.5, 0.4, 0.3}, FAR = 0.1;
-    double turns = sqrt(vector_dot(3, way, way)) / FULL_TURN;
+    double turns = sqrt(vector_dot(3, way, way)) / ANGLE_TURN;
     for (size_t i = 0; i < sizeof SHARES / sizeof *SHARES; i++)
     {
         double before = SHARES[i] * turns, after = turns - before;
@@ -542,7 +540,7 @@ static bool is_short(const double *c)
     double bound = 0;
     for (size_t k = 0; k < 4; k++)
         bound += sqrt(vector_dot(3, c + 3 * k, c + 3 * k));
-    return bound < FULL_TURN;
+    return bound < ANGLE_TURN;
 }
 
 /// Coordinates of quaternion i, one array each, so that no store is scattered: m times that of a turn by twice (x, y, z),
@@ -628,7 +626,7 @@ static void rotation_mixed(const double *records, size_t size, const uint32_t *i
     turn_rows(rows, count, made);
     store_quaternions(made, count, quaternions, stride);
     for (size_t i = 0; i < count; i++)
-        if (!(4 * squares[i] < FULL_TURN * FULL_TURN))
+        if (!(4 * squares[i] < ANGLE_TURN * ANGLE_TURN))
             rotation_at(records + intervals[i] * size, shares[i], quaternions + i * stride, NULL, NULL);
 }
 

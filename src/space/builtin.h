@@ -1,6 +1,7 @@
 #pragma once
 
 #include "batten/space.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 

@@ -2,7 +2,6 @@
 
 // Points are z = x + i y. Tangents at p are in the frame that z -> (z + p) / (1 + conj(p) z) brings from the origin.
 
-static const double TWO_PI = 6.283185307179586476925286766559;
 /// Random points lie in the disk of this hyperbolic radius.
 static const double RANDOM_RADIUS = 3;
 
@@ -94,7 +93,7 @@ static void random_point(const bat_space *space BAT_UNUSED, bat_random *random, 
     // The area within radius r is proportional to cosh(r) - 1 = 2 sinh(r/2)^2.
     double sinh_half = sinh(0.5 * RANDOM_RADIUS) * sqrt(bat_random_uniform(random));
     double radius = sinh_half / sqrt(1 + sinh_half * sinh_half);
-    double angle = TWO_PI * bat_random_uniform(random);
+    double angle = ANGLE_TURN * bat_random_uniform(random);
     point[0] = radius * cos(angle);
     point[1] = radius * sin(angle);
 }

@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 // Points are a translation and a quaternion, tangents a velocity in the fixed frame and a rotation vector in the body's.
@@ -81,7 +80,7 @@ bat_status bat_rigid(double translation_weight, bat_space *space, bat_error *err
         .dimension = 6,
         .point_dim = 7,
         .tangent_dim = 6,
-        .injectivity = 3.14159265358979323846,
+        .injectivity = ANGLE_PI,
         .weight = translation_weight,
         .fault = fault,
         .project = project,

@@ -105,7 +105,7 @@ bat_space bat_rotation(void)
         .dimension = 3,
         .point_dim = 4,
         .tangent_dim = 3,
-        .injectivity = 3.14159265358979323846,
+        .injectivity = ANGLE_PI,
         .fault = rotation_fault,
         .project = rotation_project,
         .distance = rotation_distance,

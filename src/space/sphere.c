@@ -1,4 +1,3 @@
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 /// How far the squared length of a stored point may be from 1.
@@ -146,7 +145,7 @@ bat_space bat_sphere(size_t n)
         .dimension = n,
         .point_dim = n + 1,
         .tangent_dim = n + 1,
-        .injectivity = 3.14159265358979323846,
+        .injectivity = ANGLE_PI,
         .fault = fault,
         .project = project,
         SPACE_FUNCTIONS,

@@ -56,7 +56,6 @@ static const double OUTLINE_GAP[2] = {0.12, 3}, RIM_SHARE = 0.1, RIM_SPACING[2] 
 /// Sides of stars longer than this many spacings span gaps.
 static const double MAX_SPOKE = 3.5;
 static const double GOLDEN = 0.6180339887498949;
-static const double PI = 3.14159265358979323846;
 
 void cloud_geometry_free(cloud_geometry *geometry)
 {
@@ -119,7 +118,7 @@ static bool measure_point(cloud_geometry *geometry, size_t point, weight_scratch
         farthest = fmax(farthest, hypot(scratch->planar[count][0], scratch->planar[count][1]));
         count++;
     }
-    geometry->spacing[point] = count > 0 ? farthest * sqrt(PI / (double)count) : 0;
+    geometry->spacing[point] = count > 0 ? farthest * sqrt(ANGLE_PI / (double)count) : 0;
     *area = star_area(scratch, count, geometry->spacing[point]);
     return true;
 }

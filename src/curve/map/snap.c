@@ -244,8 +244,7 @@ static bool note_near(snap_job *job, edge_place edge, const double *flat, const 
                  *q = chart->points + 2 * (edge.edge + 1 == chart->count ? 0 : edge.edge + 1);
     const double *ends[2] = {curve->points + edge.edge * job->dim,
                              curve->points + (edge.edge + 1) % curve->count * job->dim};
-    static const double RADIANS = 3.14159265358979323846 / 180;
-    double narrow = job->sphere ? cos(flat[1] / job->chart->units_per_degree * RADIANS) : 1;
+    double narrow = job->sphere ? cos(flat[1] / job->chart->units_per_degree * ANGLE_DEGREE) : 1;
     double along[2] = {(q[0] - p[0]) * narrow, q[1] - p[1]}, to[2] = {(flat[0] - p[0]) * narrow, flat[1] - p[1]};
     double square = along[0] * along[0] + along[1] * along[1];
     double share = (to[0] * along[0] + to[1] * along[1]) / square;
@@ -294,12 +293,11 @@ static bat_status find_near(snap_job *job, int threads, bat_error *error)
         return status;
     double highest = 0, slack = job->chart_tolerance;
     static const double HIGHEST = 89; // degrees; nearer to the poles some near points are not found
-    static const double RADIANS = 3.14159265358979323846 / 180;
     for (size_t c = 0; c < job->count && job->sphere; c++)
         for (size_t i = 0; i < job->charts.curves[c].count; i++)
             highest = fmax(highest, fabs(job->charts.curves[c].points[2 * i + 1]));
     if (job->sphere)
-        slack /= cos(fmin(highest / job->chart->units_per_degree, HIGHEST) * RADIANS);
+        slack /= cos(fmin(highest / job->chart->units_per_degree, HIGHEST) * ANGLE_DEGREE);
     edge_tree tree;
     status = edge_tree_make(job->charts.curves, job->count, slack, threads, &tree, error);
     tree.turn = job->chart->turn;

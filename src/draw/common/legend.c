@@ -1,6 +1,7 @@
 #include "draw/common/legend.h"
 
 #include "draw/common/ticks.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -118,11 +119,9 @@ void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label,
 #define ITEM_GAP 20.0
 #define ROW 15.0
 
-static const double TURN = 6.28318530717958647693;
-
 void legend_ring(cairo_t *cairo, double x, double y, double radius, draw_colour colour)
 {
-    cairo_arc(cairo, x, y, radius, 0.0, TURN);
+    cairo_arc(cairo, x, y, radius, 0.0, ANGLE_TURN);
     style_use_colour(cairo, COLOUR_BACKGROUND);
     cairo_fill_preserve(cairo);
     style_stroke(cairo, (line_style){colour, fmin(0.9, 0.6 * radius), 0.0, 0.0});
@@ -130,10 +129,10 @@ void legend_ring(cairo_t *cairo, double x, double y, double radius, draw_colour 
 
 void legend_dot(cairo_t *cairo, double x, double y, double radius, draw_colour colour)
 {
-    cairo_arc(cairo, x, y, radius + 0.6, 0.0, TURN);
+    cairo_arc(cairo, x, y, radius + 0.6, 0.0, ANGLE_TURN);
     style_use_colour(cairo, COLOUR_BACKGROUND);
     cairo_fill(cairo);
-    cairo_arc(cairo, x, y, radius, 0.0, TURN);
+    cairo_arc(cairo, x, y, radius, 0.0, ANGLE_TURN);
     style_use_colour(cairo, colour);
     cairo_fill(cairo);
 }

@@ -1,7 +1,5 @@
 #include "draw/curve/scene.h"
 
-static const double TURN = 6.28318530717958647693;
-
 /// @file
 /// The tiling {5, 4} of the hyperbolic plane: regular right-angled pentagons, four at each vertex (Coxeter, 1957).
 ///
@@ -47,12 +45,12 @@ static bool is_new(const tiling *made, geodesic g)
 /// Find all geodesics of the tiling whose arcs have at least the smallest radius, from the centre outwards.
 static void make_tiling(tiling *made)
 {
-    double middle =
-        acosh(cos(TURN / 8.0) / sin(TURN / (2.0 * SIDES))); // the distance from the pentagon's centre to its sides
+    double middle = acosh(cos(ANGLE_TURN / 8.0) /
+                          sin(ANGLE_TURN / (2.0 * SIDES))); // the distance from the pentagon's centre to its sides
     made->count = SIDES;
     for (int i = 0; i < SIDES; i++)
     {
-        double angle = TURN * (0.25 + (double)i / SIDES);
+        double angle = ANGLE_TURN * (0.25 + (double)i / SIDES);
         made->geodesics[i] = (geodesic){cosh(middle) * cos(angle), cosh(middle) * sin(angle), sinh(middle)};
     }
     for (int i = 0; i < made->count; i++)
@@ -78,7 +76,7 @@ static void add_arc(cairo_t *cairo, const draw_view *view, geodesic g)
 
 void grid_disk(cairo_t *cairo, const draw_view *view, bool lines)
 {
-    cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, TURN);
+    cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, ANGLE_TURN);
     cairo_set_source_rgb(cairo, 0.982, 0.986, 0.991);
     cairo_fill(cairo);
     if (!lines)
@@ -94,6 +92,6 @@ void grid_disk(cairo_t *cairo, const draw_view *view, bool lines)
 
 void grid_disk_circle(cairo_t *cairo, const draw_view *view)
 {
-    cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, TURN);
+    cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, ANGLE_TURN);
     style_stroke(cairo, (line_style){COLOUR_FRAME, 1.2 * LINE_FRAME, 0.0, 0.0});
 }

@@ -7,8 +7,7 @@
 /// @file
 /// Graticule, frame and scale bar of local maps.
 
-static const double TURN = 6.28318530717958647693;
-static const double SECOND = 3.14159265358979323846 / 648000.0;
+static const double SECOND = ANGLE_PI / 648000.0;
 
 #define SECONDS_PER_MINUTE 60.0
 #define SECONDS_PER_DEGREE 3600.0
@@ -110,7 +109,7 @@ static void include_border(window_range *range, const draw_view *view, const sce
     double point[3];
     view_local_point(view, u, v, point);
     double latitude = atan2(point[2], hypot(point[0], point[1])) / SECOND;
-    double longitude = remainder(atan2(point[1], point[0]) - frame->map.longitude, TURN) / SECOND;
+    double longitude = remainder(atan2(point[1], point[0]) - frame->map.longitude, ANGLE_TURN) / SECOND;
     range->south = fmin(range->south, latitude);
     range->north = fmax(range->north, latitude);
     range->west = fmin(range->west, longitude);
@@ -339,7 +338,7 @@ void grid_local_clip(cairo_t *cairo, const draw_view *view, const scene_frame *f
     double v = fmax(fabs(frame->map.low[1]), fabs(frame->map.high[1]));
     if (hypot(u, v) > whole)
     {
-        cairo_arc(cairo, view->origin_x, view->origin_y, whole * view->scale, 0.0, TURN);
+        cairo_arc(cairo, view->origin_x, view->origin_y, whole * view->scale, 0.0, ANGLE_TURN);
         cairo_clip(cairo);
     }
 }

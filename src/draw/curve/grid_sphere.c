@@ -7,9 +7,6 @@
 /// @file
 /// Graticules of the globe and of the world map.
 
-static const double DEGREE = 3.14159265358979323846 / 180.0;
-static const double TURN = 6.28318530717958647693;
-
 /// The radius from which a globe has lines every 15 degrees.
 #define FINE_RADIUS 110.0
 
@@ -25,7 +22,7 @@ void grid_globe_sphere(cairo_t *cairo, const draw_view *view, bool sea)
     cairo_pattern_add_color_stop_rgb(light, 0.0, red, green, 1.0);
     cairo_pattern_add_color_stop_rgb(light, 0.6, 0.975 * red, 0.98 * green, 0.987);
     cairo_pattern_add_color_stop_rgb(light, 1.0, 0.905 * red, 0.922 * green, 0.942);
-    cairo_arc(cairo, x, y, radius, 0.0, TURN);
+    cairo_arc(cairo, x, y, radius, 0.0, ANGLE_TURN);
     cairo_set_source(cairo, light);
     cairo_fill(cairo);
     cairo_pattern_destroy(light);
@@ -45,9 +42,9 @@ static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, 
         double turned = parallel ? longitude + 360.0 * share : longitude;
         double raised = parallel ? latitude : latitude * (1.0 - 2.0 * share);
         double *point = points + (size_t)(3 * i);
-        point[0] = cos(raised * DEGREE) * cos(turned * DEGREE);
-        point[1] = cos(raised * DEGREE) * sin(turned * DEGREE);
-        point[2] = sin(raised * DEGREE);
+        point[0] = cos(raised * ANGLE_DEGREE) * cos(turned * ANGLE_DEGREE);
+        point[1] = cos(raised * ANGLE_DEGREE) * sin(turned * ANGLE_DEGREE);
+        point[2] = sin(raised * ANGLE_DEGREE);
     }
     path_simplifier path = simplifier_begin(canvas_sink(cairo), 0.05);
     view_trace(view, points, STEPS + 1, false, VIEW_FRONT, &path);
@@ -84,7 +81,7 @@ static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
     style_use_colour(cairo, COLOUR_MUTED);
     for (int degrees = -60; degrees <= 60; degrees += 30)
     {
-        double v = sin(degrees * DEGREE) / cos(latitude);
+        double v = sin(degrees * ANGLE_DEGREE) / cos(latitude);
         double distance = 1.0 + (4.0 + 4.0 * fabs(v)) / view->scale;
         if (fabs(v) * distance * view->scale + 0.5 * TEXT_TICK < view->scale)
         {
@@ -100,8 +97,8 @@ static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
 static void middle_label(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     char east[16], north[16], label[64];
-    degree_label(remainder(frame->map.longitude / DEGREE, 360.0), "E", "W", east, sizeof east);
-    degree_label(frame->map.latitude / DEGREE, "N", "S", north, sizeof north);
+    degree_label(remainder(frame->map.longitude / ANGLE_DEGREE, 360.0), "E", "W", east, sizeof east);
+    degree_label(frame->map.latitude / ANGLE_DEGREE, "N", "S", north, sizeof north);
     (void)snprintf(label, sizeof label, "centre %s %s", north, east);
     text_use(cairo, TEXT_TICK, false);
     double radius = view->scale;
@@ -118,7 +115,7 @@ static void middle_label(cairo_t *cairo, const draw_view *view, const scene_fram
 
 void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels)
 {
-    cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, TURN);
+    cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, ANGLE_TURN);
     style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
     if (labels)
     {
@@ -138,8 +135,8 @@ static void graticule_line(cairo_t *cairo, const draw_view *view, double longitu
     {
         double share = 2.0 * i / STEPS - 1.0;
         double u, v;
-        view_equal_earth(meridian ? longitude * DEGREE : share * TURN / 2.0,
-                         meridian ? share * TURN / 4.0 : latitude * DEGREE, &u, &v);
+        view_equal_earth(meridian ? longitude * ANGLE_DEGREE : share * ANGLE_TURN / 2.0,
+                         meridian ? share * ANGLE_TURN / 4.0 : latitude * ANGLE_DEGREE, &u, &v);
         (i == 0 ? cairo_move_to : cairo_line_to)(cairo, view_x(view, u), view_y(view, v));
     }
 }
@@ -147,7 +144,7 @@ static void graticule_line(cairo_t *cairo, const draw_view *view, double longitu
 /// The longitude of a map's middle in degrees.
 static double map_middle(const draw_view *view)
 {
-    return atan2(view->rotation[0][1], view->rotation[0][0]) / DEGREE;
+    return atan2(view->rotation[0][1], view->rotation[0][0]) / ANGLE_DEGREE;
 }
 
 void grid_map_lines(cairo_t *cairo, const draw_view *view)
@@ -172,24 +169,24 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
     double u, v;
     double middle = map_middle(view);
     char label[16];
-    view_equal_earth(30.0 * DEGREE, -TURN / 4.0, &u, &v);
+    view_equal_earth(30.0 * ANGLE_DEGREE, -ANGLE_TURN / 4.0, &u, &v);
     double bottom = view_y(view, v) + 10.0;
     double spacing = u * view->scale;
     int across = spacing > 34.0 ? 30 : spacing > 17.0 ? 60 : 90;
     for (int degrees = -180; degrees < 180; degrees += across)
     {
         double longitude = remainder(degrees - middle, 360.0);
-        view_equal_earth(longitude * DEGREE, -TURN / 4.0, &u, &v);
+        view_equal_earth(longitude * ANGLE_DEGREE, -ANGLE_TURN / 4.0, &u, &v);
         degree_label(degrees, "E", "W", label, sizeof label);
         text_draw(cairo, label, view_x(view, u), bottom, 0.5);
         if (fabs(longitude) > 179.5)
             text_draw(cairo, label, view_x(view, -u), bottom, 0.5);
     }
-    view_equal_earth(0.0, 30.0 * DEGREE, &u, &v);
+    view_equal_earth(0.0, 30.0 * ANGLE_DEGREE, &u, &v);
     int upwards = v * view->scale > 12.0 ? 30 : 60;
     for (int degrees = -60; degrees <= 60; degrees += upwards)
     {
-        view_equal_earth(-TURN / 2.0, degrees * DEGREE, &u, &v);
+        view_equal_earth(-ANGLE_TURN / 2.0, degrees * ANGLE_DEGREE, &u, &v);
         degree_label(degrees, "N", "S", label, sizeof label);
         text_draw_middle(cairo, label, view_x(view, u) - 4.0, view_y(view, v), 1.0);
     }
@@ -205,7 +202,7 @@ static void map_frame(cairo_t *cairo, const draw_view *view)
     {
         double share = 2.0 * (i <= STEPS ? i : 2 * STEPS + 1 - i) / STEPS - 1.0;
         double u, v;
-        view_equal_earth(i <= STEPS ? TURN / 2.0 : -TURN / 2.0, share * TURN / 4.0, &u, &v);
+        view_equal_earth(i <= STEPS ? ANGLE_TURN / 2.0 : -ANGLE_TURN / 2.0, share * ANGLE_TURN / 4.0, &u, &v);
         (i == 0 ? cairo_move_to : cairo_line_to)(cairo, view_x(view, u), view_y(view, v));
     }
     cairo_close_path(cairo);

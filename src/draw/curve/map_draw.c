@@ -94,7 +94,7 @@ static void fill_polygon(cairo_t *cairo, const draw_view *view, const scene_fram
     cairo_new_path(cairo);
     if (view->kind == VIEW_GLOBE)
     {
-        cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, 6.28318530717958647693);
+        cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, ANGLE_TURN);
         cairo_clip(cairo);
     }
     else if (view->kind == VIEW_MAP)

@@ -4,16 +4,12 @@
 #include "base/error.h"
 #include "curve/map/arc_refine.h"
 #include "curve/polygon.h"
-#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /// @file
 /// Choice of the projection by the smallest cap around the curves, and of the window of a local map.
-
-static const double PI = 3.14159265358979323846;
-static const double DEGREE = 3.14159265358979323846 / 180.0;
 
 /// The largest radii of caps that are drawn as a local map.
 #define POLYGON_CAP 80.0
@@ -68,7 +64,7 @@ static void map_cap(const bat_curve *const *curves, size_t count, double *centre
     ball_centre(curves, count, centre);
     if (vector3_dot(centre, centre) < 1e-6) // the curves are all around the sphere
     {
-        *radius = PI;
+        *radius = ANGLE_PI;
         memcpy(centre, curves[0]->points, 3 * sizeof(double));
         return;
     }
@@ -166,12 +162,12 @@ static void choose_window(map_choice *choice, const bat_curve *const *curves, si
     {
         choice->longitude = atan2(centre[1], centre[0]);
         choice->latitude = atan2(centre[2], hypot(centre[0], centre[1]));
-        double to_pole = 0.5 * PI - fabs(choice->latitude);
-        bool polar = radius > 8.0 * DEGREE && to_pole < 0.35 * radius;
+        double to_pole = 0.5 * ANGLE_PI - fabs(choice->latitude);
+        bool polar = radius > 8.0 * ANGLE_DEGREE && to_pole < 0.35 * radius;
         if (polar)
         {
             choice->longitude = 0.0;
-            choice->latitude = copysign(0.5 * PI, choice->latitude);
+            choice->latitude = copysign(0.5 * ANGLE_PI, choice->latitude);
         }
         for (int round = 0; round < 3 && !polar; round++)
         {
@@ -188,15 +184,15 @@ static void choose_window(map_choice *choice, const bat_curve *const *curves, si
 static void include_sector(void *context, const double *point)
 {
     bool *covered = context;
-    double sector = floor((atan2(point[1], point[0]) + PI) * SECTORS / (2.0 * PI));
+    double sector = floor((atan2(point[1], point[0]) + ANGLE_PI) * SECTORS / (2.0 * ANGLE_PI));
     covered[(int)fmin(fmax(sector, 0.0), SECTORS - 1.0)] = true;
 }
 
 /// The middle meridian of a map: Greenwich, unless that would cut the curves and another cut of 30 degrees would not.
 static double choose_meridian(const bat_curve *const *curves, size_t count)
 {
-    const double wide = 30.0 * DEGREE;
-    const double sector = 2.0 * PI / SECTORS;
+    const double wide = 30.0 * ANGLE_DEGREE;
+    const double sector = 2.0 * ANGLE_PI / SECTORS;
     bool covered[SECTORS] = {false};
     visit_edges(curves, count, include_sector, covered);
     if (!covered[0] || !covered[SECTORS - 1])
@@ -212,7 +208,7 @@ static double choose_meridian(const bat_curve *const *curves, size_t count)
         }
     }
     // The middle of the gap is at -pi + (end - longest / 2) sectors; the map's middle is half a turn from it.
-    return longest * sector >= wide ? remainder((end - 0.5 * longest) * sector, 2.0 * PI) : 0.0;
+    return longest * sector >= wide ? remainder((end - 0.5 * longest) * sector, 2.0 * ANGLE_PI) : 0.0;
 }
 
 map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygons, const bat_curve_picture_options *options)
@@ -228,7 +224,7 @@ map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygon
         map_cap(curves, count, centre, &radius);
     if (choice.projection == BAT_CURVE_PROJECTION_AUTO)
     {
-        bool local = radius < (polygons ? POLYGON_CAP : LINE_CAP) * DEGREE;
+        bool local = radius < (polygons ? POLYGON_CAP : LINE_CAP) * ANGLE_DEGREE;
         choice.projection = local      ? BAT_CURVE_PROJECTION_LOCAL
                             : polygons ? BAT_CURVE_PROJECTION_MAP
                                        : BAT_CURVE_PROJECTION_GLOBE;

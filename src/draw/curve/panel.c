@@ -3,8 +3,6 @@
 /// @file
 /// Drawing of one panel: background, lines of all layers, combs, circles at control points, labels.
 
-static const double TURN = 6.28318530717958647693;
-
 /// More open circles would hide each other.
 #define MANY_RINGS 5000
 /// The margin between a curve and its box.
@@ -168,7 +166,7 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
     bool front = view_place(view, curve->points, &x, &y);
     if (curve->count == 1 && front == (side == VIEW_FRONT))
     {
-        cairo_arc(cairo, x, y, line.width, 0.0, TURN);
+        cairo_arc(cairo, x, y, line.width, 0.0, ANGLE_TURN);
         style_use_colour(cairo, line.colour);
         cairo_fill(cairo);
     }

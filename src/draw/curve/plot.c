@@ -18,8 +18,6 @@ bool plot_set_range(plot_axis *axis, double low, double high)
     return isfinite(axis->low) && isfinite(axis->high) && axis->low < axis->high;
 }
 
-static const double TURN = 6.28318530717958647693;
-
 #define TOLERANCE 0.05
 #define TICK_LENGTH 3.0
 #define TICK_GAP 3.0
@@ -125,7 +123,7 @@ static void draw_axis_names(cairo_t *cairo, const plot_axis *x, const plot_axis 
                      x->end - x->start);
     cairo_save(cairo);
     cairo_translate(cairo, box[0] + TEXT_LEGEND, 0.5 * (y->start + y->end));
-    cairo_rotate(cairo, -TURN / 4.0);
+    cairo_rotate(cairo, -ANGLE_TURN / 4.0);
     text_draw_fitted(cairo, axis_text(y, text), TEXT_LEGEND, false, 0.0, 0.0, y->start - y->end);
     cairo_restore(cairo);
 }

@@ -8,8 +8,6 @@
 /// @file
 /// Ellipses and shaded ellipsoids of matrices, in rows.
 
-static const double TURN = 6.28318530717958647693;
-
 /// The most tensors in a row.
 #define MAX_COLUMNS 13
 /// The distance of neighbouring tensors' centres in a row, and of rows, in units of the largest semi-axis.
@@ -144,7 +142,7 @@ static void fill_outline(cairo_t *cairo, const double root[3], double scale, dou
     cairo_save(cairo);
     cairo_transform(cairo, &to_paper);
     cairo_new_path(cairo);
-    cairo_arc(cairo, 0.0, 0.0, 1.0, 0.0, TURN);
+    cairo_arc(cairo, 0.0, 0.0, 1.0, 0.0, ANGLE_TURN);
     cairo_close_path(cairo);
     cairo_set_source(cairo, ball);
     cairo_fill_preserve(cairo);
@@ -162,7 +160,7 @@ static void trace_front(cairo_t *cairo, const double *a, const double *b, double
     double middle = atan2(of_b, of_a);
     for (int step = 0; step <= STEPS; step++)
     {
-        double angle = middle + TURN * (0.5 * step / STEPS - 0.25);
+        double angle = middle + ANGLE_TURN * (0.5 * step / STEPS - 0.25);
         double u = a[0] * cos(angle) + b[0] * sin(angle);
         double v = a[1] * cos(angle) + b[1] * sin(angle);
         (step == 0 ? cairo_move_to : cairo_line_to)(cairo, x + scale * u, y - scale * v);

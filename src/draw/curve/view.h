@@ -1,6 +1,7 @@
 #pragma once
 
 #include "batten/curve.h"
+#include "linalg/vector.h"
 
 #include <cairo.h>
 #include <math.h>

@@ -1,6 +1,5 @@
 #include "draw/common/sheet.h"
 #include "draw/curve/view.h"
-#include "linalg/vector.h"
 
 #include <string.h>
 
@@ -12,8 +11,6 @@
 /// circle in it. For the map it is the strip of unbounded longitudes; the traces of all turns that touch the frame are
 /// drawn. So no ring is cut, and the even-odd rule holds after cairo's clip. A ring that encloses the excluded point on its
 /// smaller side is complemented by a rectangle around everything.
-
-static const double PI = 3.14159265358979323846;
 
 /// Beyond everything in (u, v).
 #define FAR_AWAY 12.0
@@ -37,7 +34,7 @@ typedef struct ring_tracer
 static double continued_longitude(const ring_tracer *tracer, const double *point)
 {
     bool pole = hypot(point[0], point[1]) < 1e-12;
-    double step = remainder(atan2(point[1], point[0]) - tracer->longitude, 2.0 * PI);
+    double step = remainder(atan2(point[1], point[0]) - tracer->longitude, 2.0 * ANGLE_PI);
     return pole ? tracer->longitude : tracer->longitude + step;
 }
 
@@ -107,7 +104,7 @@ static void ring_step(ring_tracer *tracer, const double *point)
     if (tracer->view->kind != VIEW_MAP && from[2] < 0.0 && point[2] < 0.0)
     {
         double start = atan2(from[1], from[0]);
-        double turn = remainder(atan2(point[1], point[0]) - start, 2.0 * PI);
+        double turn = remainder(atan2(point[1], point[0]) - start, 2.0 * ANGLE_PI);
         double across[2] = {hypot(from[0], from[1]), hypot(point[0], point[1])};
         double steps = ceil(fabs(turn) / max_turn);
         for (double i = 1.0; i < steps; i += 1.0)
@@ -126,7 +123,7 @@ static bool ring_straight(const ring_tracer *tracer, const double *middle, const
 {
     double longitude = 0.0, half_u, half_v, whole_u, whole_v;
     ring_project(tracer, middle, &longitude, &half_u, &half_v);
-    if (tracer->view->kind == VIEW_MAP && fabs(longitude - tracer->longitude) > 0.25 * PI)
+    if (tracer->view->kind == VIEW_MAP && fabs(longitude - tracer->longitude) > 0.25 * ANGLE_PI)
         return false;
     ring_project(tracer, target, &longitude, &whole_u, &whole_v);
     double bend = hypot(half_u - 0.5 * (tracer->u + whole_u), half_v - 0.5 * (tracer->v + whole_v));
@@ -202,13 +199,13 @@ static void close_by_pole(ring_tracer *tracer, double start)
         double u, v;
         if (i == STEPS + 1)
         {
-            view_equal_earth(start, -0.5 * PI, &u, &v);
+            view_equal_earth(start, -0.5 * ANGLE_PI, &u, &v);
             tracer->area += tracer->area_u * v - tracer->area_v * u;
             tracer->area_u = u;
             tracer->area_v = v;
             page_line(tracer, u, v);
         }
-        view_equal_earth(i <= STEPS ? end : start, latitude - share * (latitude + 0.5 * PI), &u, &v);
+        view_equal_earth(i <= STEPS ? end : start, latitude - share * (latitude + 0.5 * ANGLE_PI), &u, &v);
         tracer->area += tracer->area_u * v - tracer->area_v * u;
         tracer->area_u = u;
         tracer->area_v = v;
@@ -225,9 +222,9 @@ static bool ring_measure(ring_tracer *tracer, const bat_curve *ring, double *win
     double start = tracer->longitude;
     ring_turn(tracer, ring);
     *winding = tracer->view->kind == VIEW_MAP ? tracer->longitude - start : 0.0;
-    if (fabs(*winding) > PI)
+    if (fabs(*winding) > ANGLE_PI)
         close_by_pole(tracer, start);
-    return fabs(tracer->area) > 4.0 * PI; // twice half the sphere
+    return fabs(tracer->area) > 4.0 * ANGLE_PI; // twice half the sphere
 }
 
 /// Trace a ring wherever it touches the map, or once in other views.
@@ -236,9 +233,9 @@ static void ring_draw(ring_tracer *tracer, const bat_curve *ring, double winding
     double low = tracer->low;
     double high = tracer->high;
     tracer->path = path;
-    if (fabs(winding) > PI)
+    if (fabs(winding) > ANGLE_PI)
     {
-        ring_begin(tracer, ring, winding > 0.0 ? -2.0 * PI : 2.0 * PI);
+        ring_begin(tracer, ring, winding > 0.0 ? -2.0 * ANGLE_PI : 2.0 * ANGLE_PI);
         double start = tracer->longitude;
         for (int turn = 0; turn < 3; turn++)
             ring_turn(tracer, ring);
@@ -248,10 +245,10 @@ static void ring_draw(ring_tracer *tracer, const bat_curve *ring, double winding
     }
     for (double turn = -1.0; turn <= 1.0; turn += 1.0)
     {
-        bool touches = low + 2.0 * PI * turn < PI && high + 2.0 * PI * turn > -PI;
+        bool touches = low + 2.0 * ANGLE_PI * turn < ANGLE_PI && high + 2.0 * ANGLE_PI * turn > -ANGLE_PI;
         if (turn == 0.0 || (tracer->view->kind == VIEW_MAP && touches))
         {
-            ring_begin(tracer, ring, 2.0 * PI * turn);
+            ring_begin(tracer, ring, 2.0 * ANGLE_PI * turn);
             ring_turn(tracer, ring);
             simplifier_flush(path);
         }
@@ -281,7 +278,7 @@ view_region view_trace_polygon(const draw_view *view, const bat_curve *const *ri
         }
         else if (view->kind == VIEW_MAP)
         {
-            region.outside = region.outside || fabs(winding) > PI || tracer.low < -PI || tracer.high > PI;
+            region.outside = region.outside || fabs(winding) > ANGLE_PI || tracer.low < -ANGLE_PI || tracer.high > ANGLE_PI;
         }
         ring_draw(&tracer, rings[i], winding, &path);
     }

@@ -1,14 +1,11 @@
 #include "draw/curve/view.h"
 
 #include "linalg/dense.h"
-#include "linalg/vector.h"
 
 #include <string.h>
 
 /// @file
 /// Geodesics on the sphere: on a globe as cut ellipses, on maps by adaptive bisection.
-
-static const double PI = 3.14159265358979323846;
 
 /// The path on one half of a globe. Points are rotated: the third coordinate points to the eye.
 typedef struct globe_tracer
@@ -169,7 +166,7 @@ static void map_step(map_tracer *tracer, const double *point)
         if (x < 0.0)
         {
             double u, v;
-            view_equal_earth(from[1] < 0.0 ? -PI : PI, atan2(z, -x), &u, &v);
+            view_equal_earth(from[1] < 0.0 ? -ANGLE_PI : ANGLE_PI, atan2(z, -x), &u, &v);
             simplifier_line(tracer->path, view_x(view, u), view_y(view, v));
             simplifier_move(tracer->path, view_x(view, -u), view_y(view, v));
         }
@@ -190,9 +187,9 @@ static bool map_straight(const map_tracer *tracer, const double *middle, const d
     }
     else
     {
-        double whole = remainder(longitude_of(target) - tracer->longitude, 2.0 * PI);
-        double half = remainder(longitude_of(middle) - tracer->longitude, 2.0 * PI);
-        if (fabs(whole) >= 0.5 * PI)
+        double whole = remainder(longitude_of(target) - tracer->longitude, 2.0 * ANGLE_PI);
+        double half = remainder(longitude_of(middle) - tracer->longitude, 2.0 * ANGLE_PI);
+        if (fabs(whole) >= 0.5 * ANGLE_PI)
             return false;
         view_equal_earth(tracer->longitude + half, latitude_of(middle), &half_u, &half_v);
         view_equal_earth(tracer->longitude + whole, latitude_of(target), &whole_u, &whole_v);
@@ -318,7 +315,7 @@ static void add_curve(globe_moments *moments, const bat_curve *curve)
 /// The direction 25 degrees above the plane that fits the moments best, from the north, towards most of the curve.
 static void oblique_direction(globe_moments *moments, double *direction)
 {
-    const double elevation = 25.0 * 3.14159265358979323846 / 180.0;
+    const double elevation = 25.0 * ANGLE_PI / 180.0;
     double values[3];
     if (decompose_symmetric(3, &moments->square[0][0], values, NULL) != BAT_OK)
         return;

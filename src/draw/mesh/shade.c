@@ -42,7 +42,7 @@ static void spread_taps(tap_list *taps)
         {
             // A spiral, rotated for every pixel so that neighbours differ.
             double share = sqrt((tap + 0.35 + 0.3 * (cell % 3)) / TAPS);
-            double angle = golden * tap + 6.283185307179586 * (cell * 7 % (TILE * TILE)) / (TILE * TILE);
+            double angle = golden * tap + ANGLE_TURN * (cell * 7 % (TILE * TILE)) / (TILE * TILE);
             taps->offsets[cell][tap][0] = (float)(share * cos(angle));
             taps->offsets[cell][tap][1] = (float)(share * sin(angle));
         }

@@ -6,12 +6,10 @@
 /// @file
 /// Automatic views from second moments of the surface.
 
-#define DEGREE 0.017453292519943295
-
 /// The automatic view is rotated by BESIDE from the broadest side, and elevated above the horizon, more for flat meshes.
-#define BESIDE (35 * DEGREE)
-#define ABOVE (18 * DEGREE)
-#define FAR_ABOVE (42 * DEGREE)
+#define BESIDE (35 * ANGLE_DEGREE)
+#define ABOVE (18 * ANGLE_DEGREE)
+#define FAR_ABOVE (42 * ANGLE_DEGREE)
 /// Meshes are flat when their upward extent, relative to the horizontal one, is smaller.
 #define FLAT_SHARE 0.25
 
@@ -58,8 +56,8 @@ static double automatic_longitude(double moments[3][3])
     for (int quarter = -1; quarter <= 1; quarter += 2)
         for (int side = -1; side <= 1; side += 2)
         {
-            double longitude = longest + quarter * 90 * DEGREE + side * BESIDE;
-            double away = fabs(remainder(longitude - BESIDE, 360 * DEGREE));
+            double longitude = longest + quarter * 90 * ANGLE_DEGREE + side * BESIDE;
+            double away = fabs(remainder(longitude - BESIDE, 360 * ANGLE_DEGREE));
             if (away < nearest - 1e-9)
             {
                 nearest = away;

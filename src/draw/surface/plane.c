@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "draw/common/sheet.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +18,7 @@
 
 double dot_radius(double area, size_t count, double per_point)
 {
-    double radius = sqrt(COVERAGE * area / (3.14159265358979323846 * (double)(count > 0 ? count : 1)));
+    double radius = sqrt(COVERAGE * area / (ANGLE_PI * (double)(count > 0 ? count : 1)));
     return fmin(fmax(radius, MIN_RADIUS * per_point), MAX_RADIUS * per_point);
 }
 

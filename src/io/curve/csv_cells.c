@@ -1,11 +1,11 @@
 #include "io/curve/csv.h"
 
 #include "io/common/time_text.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <strings.h>
 
-static const double TURN = 6.283185307179586476925286766559;
 /// A place this near to a row is the row.
 static const double ROUNDING = 1e-9;
 /// Below both, a double has more digits between two numbers than nine decimals.
@@ -64,7 +64,7 @@ void cells_free(cell_builder *cells)
 
 void cells_place(size_t k, size_t n, bool closed, double place[CSV_PLACE_CHANNELS])
 {
-    double angle = TURN * (double)k / (double)n;
+    double angle = ANGLE_TURN * (double)k / (double)n;
     place[0] = closed ? cos(angle) : (double)k;
     place[1] = closed ? sin(angle) : 0;
 }
@@ -75,10 +75,10 @@ static double raw_place(const double *channels, size_t n, bool closed)
     double place = channels[0];
     if (closed)
     {
-        place = atan2(channels[1], channels[0]) / TURN * (double)n;
+        place = atan2(channels[1], channels[0]) / ANGLE_TURN * (double)n;
         place += place < 0 ? (double)n : 0;
         // From the angle to the share of the edge, a chord of the circle.
-        double row = floor(place), share = place - row, edge = TURN / (double)n;
+        double row = floor(place), share = place - row, edge = ANGLE_TURN / (double)n;
         if (share > 0)
             place = row + sin(share * edge) / (sin(share * edge) + sin((1 - share) * edge));
     }

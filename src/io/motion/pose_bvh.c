@@ -82,7 +82,6 @@ static const char *read_joints(bvh_file *file)
 
 static void write_pose(pose_translation *work, double time, const bvh_joint *joint, const double *numbers)
 {
-    static const double DEGREE = 3.14159265358979323846 / 180;
     double place[3], q[4] = {1, 0, 0, 0}, before[4], turn[3] = {0};
     char text[NUMBER_TEXT_SIZE + 1];
     memcpy(place, joint->offset, sizeof place);
@@ -90,7 +89,7 @@ static void write_pose(pose_translation *work, double time, const bvh_joint *joi
     {
         bool turns = joint->channels[i] >= 'x';
         size_t axis = (size_t)(joint->channels[i] - (turns ? 'x' : 'X'));
-        (turns ? turn : place)[axis] = numbers[i] * (turns ? DEGREE : 1);
+        (turns ? turn : place)[axis] = numbers[i] * (turns ? ANGLE_DEGREE : 1);
         memcpy(before, q, sizeof q);
         quaternion_turn(before, turn[0], turn[1], turn[2], q);
         turn[axis] = 0;

@@ -108,14 +108,13 @@ static void note_table(pose_translation *work, const pose_header *names)
 /// Append the quaternion of three angles: turns about the body's axes in the order of the letters.
 static void turn_by_angles(const pose_translation *work, const double angles[3], double *quaternion)
 {
-    static const double DEGREE = 3.14159265358979323846 / 180;
     double before[4], turn[3] = {0};
     memcpy(quaternion, (const double[]){1, 0, 0, 0}, sizeof before);
     for (int k = 0; k < 3; k++)
     {
         int axis = work->order[k] - 'x';
         memcpy(before, quaternion, sizeof before);
-        turn[axis] = angles[axis] * (work->angle_unit == UNIT_DEGREES ? DEGREE : 1);
+        turn[axis] = angles[axis] * (work->angle_unit == UNIT_DEGREES ? ANGLE_DEGREE : 1);
         quaternion_turn(before, turn[0], turn[1], turn[2], quaternion);
         turn[axis] = 0;
     }

@@ -26,7 +26,6 @@ enum
     ITERATIONS = 3
 };
 
-static const double TWO_PI = 6.283185307179586476925286766559;
 /// 4 sqrt(3). The quality of a triangle is 4 sqrt(3) times its area over its squared edge lengths.
 static const double QUALITY_FACTOR = 6.92820323027550917411;
 
@@ -219,7 +218,7 @@ static void solve(flat_workspace *workspace, uint32_t count)
 static void lay_on_circle(const collapse_ring *ring, double (*flat)[2])
 {
     uint32_t count = collapse_ring_vertices(ring);
-    double angle = TWO_PI / count, cosine = cos(angle), sine = sin(angle), at[2] = {1, 0};
+    double angle = ANGLE_TURN / count, cosine = cos(angle), sine = sin(angle), at[2] = {1, 0};
     for (uint32_t k = 0; k < count; k++)
     {
         memcpy(flat[FLAT_RING + k], at, sizeof at);

@@ -12,8 +12,6 @@
 
 #define TABLED 16 ///< weights of smaller valences are tabulated
 
-static const double PI = 3.14159265358979323846;
-
 double butterfly_weight(unsigned valence, unsigned j)
 {
     if (valence == 2)
@@ -22,14 +20,14 @@ double butterfly_weight(unsigned valence, unsigned j)
         return j == 0 ? 5.0 / 12 : -1.0 / 12;
     if (valence == 4)
         return j == 0 ? 3.0 / 8 : j == 2 ? -1.0 / 8 : 0;
-    double angle = 2 * PI * j / valence;
+    double angle = 2 * ANGLE_PI * j / valence;
     return (0.25 + cos(angle) + 0.5 * cos(2 * angle)) / valence;
 }
 
 /// The weight of neighbour j of an irregular boundary vertex for the new vertex on the edge to neighbour i.
 static double boundary_weight(unsigned faces, unsigned i, unsigned j)
 {
-    double angle = PI / faces;
+    double angle = ANGLE_PI / faces;
     if (j > 0 && j < faces)
         return (sin(i * angle) * sin(j * angle) + 0.5 * sin(2 * i * angle) * sin(2 * j * angle)) / faces;
     double weight =
@@ -40,7 +38,7 @@ static double boundary_weight(unsigned faces, unsigned i, unsigned j)
 /// The weight of that boundary vertex itself.
 static double boundary_own_weight(unsigned faces, unsigned i)
 {
-    double angle = PI / faces;
+    double angle = ANGLE_PI / faces;
     return 1 - sin(angle) * sin(i * angle) / (faces * (1 - cos(angle)));
 }
 

@@ -1,7 +1,5 @@
 #include "mesh/refine/scheme.h"
 
-#include "linalg/vector.h"
-
 #include <math.h>
 
 /// @file
@@ -381,8 +379,6 @@ void catmull_clark_limit(const mesh_rows *rows, int threads)
 
 // Limit normals.
 
-static const double PI = 3.14159265358979323846;
-
 /// The vertex opposite to the begin of a half-edge in its quad.
 static uint32_t opposite_in_quad(const mesh_level *level, uint32_t half_edge)
 {
@@ -412,7 +408,7 @@ static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[
         normal_of_two(job, h, normal);
         return;
     }
-    double step = 2 * PI / valence;
+    double step = 2 * ANGLE_PI / valence;
     double eigenvalue = (5 + cos(step) + cos(step / 2) * sqrt(2 * (9 + cos(step)))) / 16;
     double face = 1 / (4 * eigenvalue - 1), a[3] = {0}, b[3] = {0};
     for (unsigned i = 0; i < valence; i++)
@@ -434,7 +430,7 @@ static void side_normal(const normal_job *job, uint32_t half_edge, unsigned face
 {
     const mesh_level *level = job->level;
     uint32_t vertex = level->faces[half_edge], end = level->faces[sides_next(&level->sides, half_edge)], h = half_edge;
-    double angle = PI / faces;
+    double angle = ANGLE_PI / faces;
     double side = faces == 1 ? 1 : -(1 + cos(angle)) / sin(angle) * (1 + 2 * cos(angle));
     double along[3] = {0}, across[3] = {0};
     normal_add_way(job, 1, vertex, end, along);

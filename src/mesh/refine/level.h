@@ -1,5 +1,6 @@
 #pragma once
 
+#include "linalg/vector.h"
 #include "mesh/sides.h"
 
 /// @file

@@ -1,7 +1,5 @@
 #include "mesh/refine/scheme.h"
 
-#include "linalg/vector.h"
-
 #include <math.h>
 
 /// @file
@@ -21,7 +19,7 @@ static double ring_weight(unsigned valence)
     };
     if (valence == REGULAR)
         return 1.0 / 16;
-    double root = 3.0 / 8 + cos(2 * 3.14159265358979323846 / valence) / 4;
+    double root = 3.0 / 8 + cos(ANGLE_TURN / valence) / 4;
     return (5.0 / 8 - root * root) / valence;
 }
 
@@ -276,8 +274,6 @@ void loop_limit(const mesh_rows *rows, int threads)
 
 // Limit normals.
 
-static const double PI = 3.14159265358979323846;
-
 /// The normal of a smooth vertex, for the double eigenvalue 3/8 + cos(2 pi / n) / 4.
 static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[3])
 {
@@ -287,7 +283,7 @@ static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[
     double a[3] = {0}, b[3] = {0};
     for (unsigned j = 0; j < valence; j++)
     {
-        double angle = 2 * PI * j / valence;
+        double angle = 2 * ANGLE_PI * j / valence;
         normal_add_way(job, cos(angle), vertex, mesh_end(level->faces, h), a);
         normal_add_way(job, sin(angle), vertex, mesh_end(level->faces, h), b);
         h = bat_mesh_next_around(level->links, h);
@@ -300,7 +296,7 @@ static void side_normal(const normal_job *job, uint32_t half_edge, unsigned face
 {
     const mesh_level *level = job->level;
     uint32_t vertex = level->faces[half_edge], end = mesh_end(level->faces, half_edge), h = half_edge;
-    double angle = PI / faces;
+    double angle = ANGLE_PI / faces;
     double side = faces == 1 ? 1 : -sin(angle) * cos(angle) / ((1 - cos(angle)) * (1 + 2 * cos(angle)));
     double along[3] = {0}, across[3] = {0};
     normal_add_way(job, 1, vertex, end, along);

@@ -182,7 +182,7 @@ static void find_tangent(const normal_rules *rules, unsigned valence, double sig
     size_t size = 1 + (rules->quads ? 2 : 1) * (size_t)valence;
     for (unsigned i = 0; i < valence; i++)
     {
-        double angle = 2 * 3.14159265358979323846 * i / valence;
+        double angle = ANGLE_TURN * i / valence;
         row[1 + i] = sign > 0 ? cos(angle) : sin(angle);
         if (rules->quads)
             row[1 + valence + i] = 0;

@@ -10,8 +10,6 @@
 /// A vertex of valence n becomes (1 - a) v + a / n sum_i v_i with a = (4 - 2 cos(2 pi / n)) / 9; the new vertex of a face is
 /// its centroid. A trisection moves boundary vertices by (4, 19, 4) / 27 and adds (1, 16, 10) / 27 and (10, 16, 1) / 27.
 
-static const double PI = 3.14159265358979323846;
-
 /// One level of square-root-three subdivision.
 typedef struct sqrt3_plan
 {
@@ -132,7 +130,7 @@ static void inner_row(const rows_job *job, uint32_t vertex)
         valence++;
         h = bat_mesh_next_around(plan->links, h);
     } while (h != first);
-    double share = (4 - 2 * cos(2 * PI / valence)) / 9;
+    double share = (4 - 2 * cos(2 * ANGLE_PI / valence)) / 9;
     for (size_t i = 0; i < dim; i++)
         to[i] = (1 - share) * own[i] + share / valence * to[i];
 }

@@ -288,7 +288,7 @@ static void widen(const baking *all, bat_mesh_image *image, unsigned char *fille
 /// additive recurrence of Roberts, 2018, with the plastic number).
 static bat_status find_open(baking *all, memory_pool *pool, bat_error *error)
 {
-    static const double plastic[2] = {0.7548776662466927, 0.5698402909980532}, lift = 1e-4, turn = 6.283185307179586;
+    static const double plastic[2] = {0.7548776662466927, 0.5698402909980532}, lift = 1e-4, turn = ANGLE_TURN;
     const bat_mesh *fine = all->fine;
     closest_tree tree;
     double low[3], high[3], extent[3];

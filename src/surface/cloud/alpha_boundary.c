@@ -12,7 +12,6 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "base/threads.h"
-#include "linalg/vector.h"
 #include "mesh/hash_table.h"
 
 #include <math.h>
@@ -31,7 +30,6 @@ enum
     INTERIOR_NEIGHBOURS = 16
 };
 
-static const double PI = 3.14159265358979323846;
 /// Largest ratio of the variance across the plane to the smaller one along it for points on a surface.
 static const double MAX_FLATNESS = 0.03;
 /// Radius of the disc, in spacings. For random points, the largest of thousands of empty discs has about twice the spacing.
@@ -112,7 +110,7 @@ static size_t find_blocked(alpha_boundary_search *search, uint32_t point, const 
             continue;
         double direction = atan2(foot[1], foot[0]), half = acos(distance / (2 * found->radius));
         double begin = direction - half;
-        begin = begin < -PI ? begin + 2 * PI : begin;
+        begin = begin < -ANGLE_PI ? begin + 2 * ANGLE_PI : begin;
         search->blocked[count++] = (alpha_boundary_blocked){begin, begin + 2 * half, item};
     }
     qsort(search->blocked, count, sizeof *search->blocked, compare_blocked);
@@ -123,7 +121,7 @@ static void add_free_arc(alpha_boundary_point *found, double begin, double end, 
 {
     if (end - begin <= MIN_ARC || found->arc_count == ALPHA_BOUNDARY_MAX_ARCS)
         return;
-    double turn = begin > PI ? 2 * PI : 0;
+    double turn = begin > ANGLE_PI ? 2 * ANGLE_PI : 0;
     found->arcs[found->arc_count++] = (alpha_boundary_arc){begin - turn, end - turn, from, to};
 }
 
@@ -136,8 +134,8 @@ static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, 
     // The end of intervals that wrap around past the first one.
     alpha_boundary_blocked reach = blocked[0];
     for (size_t i = 0; i < count; i++)
-        if (blocked[i].end - 2 * PI > reach.end)
-            reach = (alpha_boundary_blocked){0, blocked[i].end - 2 * PI, blocked[i].item};
+        if (blocked[i].end - 2 * ANGLE_PI > reach.end)
+            reach = (alpha_boundary_blocked){0, blocked[i].end - 2 * ANGLE_PI, blocked[i].item};
     for (size_t i = 1; i < count; i++)
     {
         if (blocked[i].begin > reach.end)
@@ -145,13 +143,13 @@ static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, 
         if (blocked[i].end > reach.end)
             reach = blocked[i];
     }
-    add_free_arc(found, reach.end, blocked[0].begin + 2 * PI, reach.item, blocked[0].item);
+    add_free_arc(found, reach.end, blocked[0].begin + 2 * ANGLE_PI, reach.item, blocked[0].item);
 }
 
 /// The mean spacing of the neighbours in the list.
 static double spacing_of(const neighbour_list *near)
 {
-    return sqrt(near->entries[near->count - 1].squared * PI / (double)near->count);
+    return sqrt(near->entries[near->count - 1].squared * ANGLE_PI / (double)near->count);
 }
 
 static void set_radius(double scale, alpha_boundary_point *found)
@@ -264,9 +262,9 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
         const alpha_boundary_arc *arc = &here->arcs[i];
         if (arc->from == before)
             return arc;
-        double past = remainder(arrival - arc->begin, 2 * PI);
-        bool inside = (past < 0 ? past + 2 * PI : past) <= arc->end - arc->begin;
-        double angle_error = inside ? 0 : fabs(remainder(arc->begin - arrival, 2 * PI));
+        double past = remainder(arrival - arc->begin, 2 * ANGLE_PI);
+        bool inside = (past < 0 ? past + 2 * ANGLE_PI : past) <= arc->end - arc->begin;
+        double angle_error = inside ? 0 : fabs(remainder(arc->begin - arrival, 2 * ANGLE_PI));
         if (angle_error < minimum)
         {
             minimum = angle_error;

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "linalg/vector.h"
 #include "surface/cloud/part.h"
 
 #include <math.h>
@@ -184,7 +183,6 @@ enum
 static const double MAX_CLEAN = 0.4;
 /// Radius of the neighbourhoods that smooth, in standard deviations of the noise.
 static const double SMOOTH_REACH = 8;
-static const double PI = 3.14159265358979323846;
 
 static bat_status measure_cloud(const double *points, const nearest_tree *tree, loop_search *search, bat_error *error)
 {
@@ -196,7 +194,7 @@ static bat_status measure_cloud(const double *points, const nearest_tree *tree, 
     {
         status = neighbours_nearest(tree, points + 3 * i, SPACING_POINTS, &near, error);
         if (status == BAT_OK)
-            spacings[taken++] = sqrt(near.entries[near.count - 1].squared * PI / (double)near.count);
+            spacings[taken++] = sqrt(near.entries[near.count - 1].squared * ANGLE_PI / (double)near.count);
     }
     neighbour_list_free(&near);
     search->spacing = taken > 0 ? sort_median(spacings, taken) : 0;
@@ -238,7 +236,8 @@ static bat_status smooth_points(const double *points, const nearest_tree *tree, 
 static bat_status find_smooth_loop(const double *points, const nearest_tree *tree, double density, loop_search *search,
                                    alpha_boundary_cycle *loop, bat_error *error)
 {
-    double reach = SMOOTH_REACH * search->noise / (density * search->spacing), share = fmin(PI * reach * reach, SMOOTH_MAX);
+    double reach = SMOOTH_REACH * search->noise / (density * search->spacing),
+           share = fmin(ANGLE_PI * reach * reach, SMOOTH_MAX);
     size_t wanted = share < SMOOTH_MIN ? SMOOTH_MIN : (size_t)share, count = tree->count;
     double *smooth = memory_array(count, 3 * sizeof *smooth);
     nearest_tree moved = {0};

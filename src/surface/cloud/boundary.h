@@ -2,6 +2,7 @@
 
 #include "batten/base.h"
 #include "batten/cloud.h"
+#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/spatial_order.h"
 

@@ -65,7 +65,6 @@ enum
     MIN_NEIGHBOURS = 12
 };
 
-static const double PI = 3.14159265358979323846;
 /// Lengths of the chords, as shares of the loop.
 static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
 /// Minimum share of a side in the loop.
@@ -155,13 +154,13 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
         turns_at(search, at, WINDOW_SHARES[w] * length, &plane, &in_space, &in_plane[w]);
         space_sum += in_space / WINDOWS;
         plane_sum += in_plane[w] / WINDOWS;
-        circle_sum += 2 * PI * WINDOW_SHARES[w] / WINDOWS;
+        circle_sum += 2 * ANGLE_PI * WINDOW_SHARES[w] / WINDOWS;
     }
     double sharp = fmin(plane_sum, MAX_TURN) - SMOOTH_TURN * circle_sum;
     // The line of least squares through the turning angles, at chords of length 0; WINDOW_SHARES has equal steps.
     double slope = 0.5 * (in_plane[WINDOWS - 1] - in_plane[0]) / (WINDOW_SHARES[1] - WINDOW_SHARES[0]);
     if (sharp >= CURVED_SHARPNESS)
-        sharp = fmax(sharp, fmin(plane_sum - slope * WINDOW_SHARES[1], 0.5 * PI) - SMOOTH_TURN * circle_sum);
+        sharp = fmax(sharp, fmin(plane_sum - slope * WINDOW_SHARES[1], 0.5 * ANGLE_PI) - SMOOTH_TURN * circle_sum);
     search->sharpness[at] = fmax(sharp, 0) + TURN_IN_SPACE * space_sum;
     return BAT_OK;
 }

@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 // A line
 
 // Largest ratio of the second variance to the first of points on a line, and of points that scatter about one: these have a
@@ -100,7 +98,7 @@ bat_status diagnose_sheets(const double *points, const nearest_tree *tree, doubl
 {
     if (noise < SHEET_MIN_NOISE * spacing || tree->count < SHEET_MIN_POINTS)
         return BAT_OK;
-    double reach = SHEET_REACH * noise / spacing, share = fmin(PI * reach * reach, SHEET_MAX_POINTS);
+    double reach = SHEET_REACH * noise / spacing, share = fmin(ANGLE_PI * reach * reach, SHEET_MAX_POINTS);
     size_t wanted = share < SHEET_MIN_POINTS ? SHEET_MIN_POINTS : (size_t)share;
     double kurtoses[SHEET_PLACES];
     size_t stride = tree->count / SHEET_PLACES + 1, made = 0;
@@ -327,7 +325,7 @@ static bat_status measure_heights(const piece_graph *graph, const bool *kept, do
         for (int k = 0; k < 3; k++)
             heights[i] += (here[k] - plane.centre[k]) * plane.axes[2][k];
         heights[i] = fabs(heights[i]);
-        spacings[i] = sqrt(near.entries[made - 1].squared * PI / (double)made);
+        spacings[i] = sqrt(near.entries[made - 1].squared * ANGLE_PI / (double)made);
     }
     neighbour_list_free(&near);
     return status;

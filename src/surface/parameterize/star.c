@@ -150,7 +150,7 @@ bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
         sum += between;
         largest = fmax(largest, between);
     }
-    const double turn = 2 * 3.14159265358979323846;
+    const double turn = ANGLE_TURN;
     if (!(largest / sum < 0.5 * (1 - 16 * DBL_EPSILON)))
         return false;
     for (size_t k = 0; k < count; k++)

@@ -20,7 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
 /// Ratio of the variance to assume to that of residuals: corrections leave noise in one of three coordinates.
 static const double SPREAD = 3;
 
@@ -231,7 +230,7 @@ static void add_ring(fit_work *work, uint32_t vertex)
     double size = fmax(squared_size(fit, vertex, list, n), MIN_SIZE) / fit->stiff[vertex];
     for (size_t k = 0; k < n && closed && grid->kinds[vertex] == SHELL_SMOOTH; k++)
     {
-        double across = n % 2 == 0 ? 1 : 1 / cos(PI / (double)n);
+        double across = n % 2 == 0 ? 1 : 1 / cos(ANGLE_PI / (double)n);
         difference row = {.count = 0};
         add_term(&row, vertex, -1 - across);
         add_term(&row, list[k], 1);

@@ -23,8 +23,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 #define MAX_RING 64 ///< the largest valence
 #define MAX_SAMPLES 256
 
@@ -264,14 +262,15 @@ static bool is_extraordinary(const shell_grid *grid, uint32_t half_edge, shell_r
 static void add_tangent(row_builder *builder, const shell_ring *ring, size_t place, double weight)
 {
     const shell_grid *grid = builder->grid;
-    double n = (double)ring->count, turn = cos(PI / n), sigma = 1 / sqrt(4 + turn * turn);
-    double full = cos(2 * PI / n), lambda = (5 + full + turn * sqrt(18 + 2 * full)) / 16;
+    double n = (double)ring->count, turn = cos(ANGLE_PI / n), sigma = 1 / sqrt(4 + turn * turn);
+    double full = cos(2 * ANGLE_PI / n), lambda = (5 + full + turn * sqrt(18 + 2 * full)) / 16;
     uint32_t vertex = grid->quads[ring->spokes[0]];
     for (size_t k = 0; k < ring->count; k++)
     {
         uint32_t h = ring->spokes[(place + k) % ring->count];
-        double angle = 2 * PI * (double)k / n, scale = weight * 4 * lambda / (3 * n);
-        double middle = scale * (1 - sigma * turn) * cos(angle) / 2, centre = scale * 2 * sigma * cos(angle + PI / n) / 4;
+        double angle = 2 * ANGLE_PI * (double)k / n, scale = weight * 4 * lambda / (3 * n);
+        double middle = scale * (1 - sigma * turn) * cos(angle) / 2,
+               centre = scale * 2 * sigma * cos(angle + ANGLE_PI / n) / 4;
         add_vertex(builder, vertex, middle + centre);
         add_vertex(builder, head_of(grid, h), middle + centre);
         add_vertex(builder, left_of(grid, h), centre);
@@ -311,8 +310,8 @@ static double inverse_of_sums(size_t count, size_t k)
         // 1 / (1 + w^-j) = (1 + i tan(pi j / n)) / 2
         if (2 * j == count)
             continue;
-        double angle = 2 * PI * (double)j * (double)k / n;
-        sum += (cos(angle) - sin(angle) * tan(PI * (double)j / n)) / 2;
+        double angle = 2 * ANGLE_PI * (double)j * (double)k / n;
+        sum += (cos(angle) - sin(angle) * tan(ANGLE_PI * (double)j / n)) / 2;
     }
     return sum / n;
 }
@@ -326,7 +325,7 @@ static void add_interior(row_builder *builder, uint32_t half_edge)
     if (!is_extraordinary(builder->grid, half_edge, &ring, &place))
         return;
     size_t n = ring.count;
-    double slope = 4 * cos(2 * PI / (double)n) / 3;
+    double slope = 4 * cos(2 * ANGLE_PI / (double)n) / 3;
     for (size_t k = 0; k < n; k++)
     {
         size_t at = (place + n - k) % n;

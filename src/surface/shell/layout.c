@@ -14,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
 /// Cost of an angle between normals, relative to that of a corner.
 static const double BEND_COST = 0.5;
 /// Cost from which two triangles stay single: 65 degrees.
@@ -67,7 +66,7 @@ static double cost_of_pair(const bat_mesh *mesh, uint32_t h, uint32_t twin)
                         angle_at(c, a, b)};
     double worst = 0, p[3], q[3];
     for (int k = 0; k < 4; k++)
-        worst = fmax(worst, fabs(angles[k] - PI / 2));
+        worst = fmax(worst, fabs(angles[k] - ANGLE_PI / 2));
     vector3_face(mesh->positions, mesh->faces + h / 3 * 3, p);
     vector3_face(mesh->positions, mesh->faces + twin / 3 * 3, q);
     return worst + BEND_COST * vector3_angle(p, q);

@@ -34,7 +34,6 @@ static const double FLAT = 0.03;
 static const double MIN_TURN = 1e-5;
 /// Smallest ratio of the sides of a chart.
 static const double MIN_RATIO = 1e-4;
-static const double PI = 3.14159265358979323846;
 
 void planar_chart_free(planar_chart *chart)
 {
@@ -327,7 +326,7 @@ static double solve_rotations(unrolling *work)
             across += p[0] * q[1] - p[1] * q[0];
         }
         double angle = atan2(across, along);
-        largest = fmax(largest, fabs(remainder(angle - work->angle[i], 2 * PI)));
+        largest = fmax(largest, fabs(remainder(angle - work->angle[i], 2 * ANGLE_PI)));
         work->angle[i] = angle;
     }
     return largest;

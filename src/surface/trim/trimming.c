@@ -120,7 +120,6 @@ static bool is_dense(const outline_work *work, size_t triangle, double limit)
 /// @param number points: of its triangles
 static void gather_areas(const outline_work *work, double limit, double *sums, double *number)
 {
-    static const double TURN = 2 * 3.14159265358979323846;
     for (size_t t = 0; t < work->triangles.count; t++)
     {
         const uint32_t *corners = work->triangles.corners + 3 * t;
@@ -132,7 +131,7 @@ static void gather_areas(const outline_work *work, double limit, double *sums, d
             const double *a = place_of(work, corners[(k + 1) % 3]), *b = place_of(work, corners[(k + 2) % 3]);
             double along = (a[0] - here[0]) * (b[0] - here[0]) + (a[1] - here[1]) * (b[1] - here[1]);
             sums[2 * (size_t)corners[k]] += work->area[t] / 3;
-            sums[2 * (size_t)corners[k] + 1] += atan2(2 * work->area[t], along) / TURN;
+            sums[2 * (size_t)corners[k] + 1] += atan2(2 * work->area[t], along) / ANGLE_TURN;
             number[corners[k]]++;
         }
     }
