@@ -23,6 +23,10 @@ static const double SLACK = 4, SLACK_OF_SOLIDS = 0.5;
 
 #define CORNER_OF_SOLID 3 ///< the edges between planes that meet at a typical corner
 
+/// Sharp edges of a solid have greater angles than one of these. Few edges have less, but more than a part of it.
+static const double SHARP_FROM[] = {1, 1.5, 2, 2.5}, FAR_BELOW = 0.4, FEW = 0.01; // in units of BRAKE_SHARP
+#define SHARP_LIMITS (sizeof SHARP_FROM / sizeof *SHARP_FROM)
+
 /// The kinds of connected coplanar faces.
 typedef enum flat_kind
 {
@@ -45,6 +49,7 @@ typedef struct mesh_shape
     unsigned char *flat;    ///< regions: a flat_kind
     unsigned char *on_flat; ///< vertices: 1 on a flat face
     uint32_t *bends;        ///< vertices: edges of an angle above 0
+    uint32_t *solid;        ///< faces: 1 on a connected piece that is a solid, else 0
     memory_pool pool;       ///< of all arrays
 } mesh_shape;
 
@@ -104,21 +109,22 @@ static void measure_edges(mesh_shape *shape)
     }
 }
 
-/// Number the coplanar faces that are connected with a face.
+/// Number the faces that are connected with a face by edges of at most an angle.
+/// @param numbers of the faces; BAT_MESH_NONE: none yet
 /// @return how many there are: the first numbers of `stack`
-static size_t flood(mesh_shape *shape, uint32_t face, uint32_t region)
+static size_t flood(mesh_shape *shape, uint32_t face, double max_angle, uint32_t number, uint32_t *numbers)
 {
     const bat_mesh_connectivity *links = shape->level->links;
     size_t count = 1;
     shape->stack[0] = face;
-    shape->region[face] = region;
+    numbers[face] = number;
     for (size_t i = 0; i < count; i++)
         for (uint32_t h = 3 * shape->stack[i]; h < 3 * shape->stack[i] + 3; h++)
         {
             uint32_t twin = links->twin[h];
-            if (twin == BAT_MESH_NONE || shape->region[twin / 3] != BAT_MESH_NONE || shape->angle[links->edge[h]] > 0)
+            if (twin == BAT_MESH_NONE || numbers[twin / 3] != BAT_MESH_NONE || shape->angle[links->edge[h]] > max_angle)
                 continue;
-            shape->region[twin / 3] = region;
+            numbers[twin / 3] = number;
             shape->stack[count++] = twin / 3;
         }
     return count;
@@ -160,33 +166,60 @@ static void find_flat_faces(mesh_shape *shape)
     {
         if (shape->region[f] != BAT_MESH_NONE)
             continue;
-        size_t count = flood(shape, f, region);
+        size_t count = flood(shape, f, 0, region, shape->region);
         flat_kind kind = kind_of(shape, shape->stack, count);
         shape->flat[region++] = (unsigned char)kind;
-        for (size_t i = 0; kind != NOT_FLAT && i < 3 * count; i++)
-            shape->on_flat[shape->level->faces[3 * shape->stack[i / 3] + i % 3]] = 1;
+        for (size_t i = 0; i < 3 * count; i++)
+        {
+            unsigned char *on = &shape->on_flat[shape->level->faces[3 * shape->stack[i / 3] + i % 3]];
+            *on = *on > kind ? *on : (unsigned char)kind;
+        }
     }
 }
 
-/// Whether the mesh has sharp edges, and half of the vertices of faces or more are on flat faces, with at most three of
-/// them. A vertex of a cage that was drawn in quads has four.
-static bool is_solid(const mesh_shape *shape)
+/// Whether a connected piece is a solid. It has sharp edges, and half of the vertices or more are on flat faces, with at
+/// most three of them: a vertex of a cage that was drawn in quads has four. Or hardly an angle is between sharp and smooth,
+/// and a quarter of the edges are smooth.
+static bool is_solid(const mesh_shape *shape, const uint32_t *faces, size_t count)
 {
     const bat_mesh_connectivity *links = shape->level->links;
-    size_t vertices = 0, flat = 0;
-    bool sharp = false;
-    for (size_t e = 0; e < links->edge_count && !sharp; e++)
-        sharp = shape->angle[e] > BRAKE_SHARP;
-    for (size_t v = 0; v < links->vertex_count; v++)
+    double vertices = 0, flat = 0, edges = 0, sharp[SHARP_LIMITS] = {0}, between[SHARP_LIMITS] = {0};
+    for (size_t i = 0; i < 3 * count; i++)
     {
-        vertices += links->first[v] != BAT_MESH_NONE;
-        flat += shape->on_flat[v] && shape->bends[v] <= CORNER_OF_SOLID;
+        uint32_t h = 3 * faces[i / 3] + (uint32_t)(i % 3), v = shape->level->faces[h];
+        bool first = links->first[v] == h, owned = mesh_owns(links->twin, h);
+        double angle = shape->angle[links->edge[h]] / BRAKE_SHARP;
+        vertices += first;
+        flat += first && shape->on_flat[v] && shape->bends[v] <= CORNER_OF_SOLID;
+        edges += owned;
+        for (size_t k = 0; k < SHARP_LIMITS; k++)
+        {
+            sharp[k] += owned && angle > SHARP_FROM[k];
+            between[k] += owned && angle <= SHARP_FROM[k] && angle > FAR_BELOW * SHARP_FROM[k];
+        }
     }
-    return sharp && 2 * flat >= vertices;
+    bool solid = sharp[0] > 0 && 2 * flat >= vertices;
+    for (size_t k = 0; k < SHARP_LIMITS && !solid; k++)
+        solid = sharp[k] > 0 && between[k] <= FEW * sharp[k] && sharp[k] + between[k] <= 0.75 * edges;
+    return solid;
+}
+
+static void find_solids(mesh_shape *shape)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    memset(shape->solid, 0xff, links->face_count * sizeof *shape->solid);
+    for (uint32_t f = 0; f < links->face_count; f++)
+    {
+        size_t count = shape->solid[f] == BAT_MESH_NONE ? flood(shape, f, INFINITY, 0, shape->solid) : 0;
+        bool solid = is_solid(shape, shape->stack, count);
+        for (size_t i = 0; i < count; i++)
+            shape->solid[shape->stack[i]] = solid;
+    }
 }
 
 /// Release the pool of the result, also on failure.
-static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, mesh_shape *shape, bat_error *error)
+/// @param found solids are found
+static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, bool found, mesh_shape *shape, bat_error *error)
 {
     size_t faces = level->links->face_count, edges = level->links->edge_count, vertices = level->links->vertex_count;
     double low[3], high[3];
@@ -201,6 +234,7 @@ static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, mesh
     shape->flat = memory_pool_array(pool, faces, sizeof *shape->flat);
     shape->on_flat = memory_pool_zeros(pool, vertices, sizeof *shape->on_flat);
     shape->bends = memory_pool_zeros(pool, vertices, sizeof *shape->bends);
+    shape->solid = memory_pool_zeros(pool, faces, sizeof *shape->solid);
     bat_status status = memory_pool_check(pool, error);
     if (status != BAT_OK)
         return status;
@@ -208,6 +242,8 @@ static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, mesh
         measure_face(shape, f);
     measure_edges(shape);
     find_flat_faces(shape);
+    if (found)
+        find_solids(shape);
     return BAT_OK;
 }
 
@@ -246,7 +282,7 @@ static void reach_by_angles(const mesh_shape *shape, mesh_brake *brake)
     size_t count = links->vertex_count + links->edge_count;
     memset(brake->reach, 0, count * sizeof *brake->reach);
     for (uint32_t f = 0; f < links->face_count; f++)
-        face_reach(brake)[f] = reach_of_face(shape, f, brake->solid ? SLACK_OF_SOLIDS : SLACK);
+        face_reach(brake)[f] = reach_of_face(shape, f, shape->solid[f] ? SLACK_OF_SOLIDS : SLACK);
     for (uint32_t h = 0; h < 3 * links->face_count; h++)
     {
         double reach = face_reach(brake)[h / 3], *vertex = &brake->reach[shape->level->faces[h]];
@@ -278,25 +314,42 @@ static void hold_flat_and_sharp(const mesh_shape *shape, mesh_brake *brake)
     for (uint32_t h = 0; h < 3 * links->face_count; h++)
     {
         bool boundary = links->twin[h] == BAT_MESH_NONE;
-        bool sharp = brake->solid && (boundary || shape->angle[links->edge[h]] > BRAKE_SHARP);
-        if (shape->flat[shape->region[h / 3]] >= (brake->solid ? FLAT_OF_SOLID : FLAT))
+        bool solid = shape->solid[h / 3], sharp = solid && (boundary || shape->angle[links->edge[h]] > BRAKE_SHARP);
+        if (shape->flat[shape->region[h / 3]] >= (solid ? FLAT_OF_SOLID : FLAT))
             face_reach(brake)[h / 3] = edge_reach(brake)[links->edge[h]] = brake->reach[faces[h]] = 0;
         if (sharp)
             edge_reach(brake)[links->edge[h]] = brake->reach[faces[h]] = brake->reach[mesh_end(faces, h)] = 0;
     }
 }
 
-/// Free boundaries, which depend on their own vertices alone, and named creases and corners, which follow Loop's rules.
+/// Hold the vertices of solids whose neighbours are held: apexes.
+static void hold_apexes(const mesh_shape *shape, mesh_brake *brake)
+{
+    const bat_mesh_connectivity *links = brake->links;
+    const uint32_t *faces = shape->level->faces;
+    uint32_t *moves = shape->bends; // of neighbours, as seen from each face
+    memset(moves, 0, links->vertex_count * sizeof *moves);
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+        moves[faces[h]] += brake->reach[mesh_end(faces, h)] > 0 || brake->reach[mesh_opposite(faces, h)] > 0;
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+        if (shape->solid[h / 3] && moves[faces[h]] == 0)
+            brake->reach[faces[h]] = 0;
+}
+
+/// Free boundaries, which depend on their own vertices alone, and named creases and corners, which follow Loop's rules, but
+/// beside flat faces with thin triangles.
 static void free_named(const mesh_shape *shape, mesh_brake *brake)
 {
     const bat_mesh_connectivity *links = brake->links;
     const mesh_level *level = shape->level;
     for (uint32_t h = 0; h < 3 * links->face_count; h++)
     {
-        bool boundary = links->twin[h] == BAT_MESH_NONE && !brake->solid;
+        bool boundary = links->twin[h] == BAT_MESH_NONE && !shape->solid[h / 3];
         bool named = level->edge_sharpness != NULL && level->edge_sharpness[links->edge[h]] > 0;
-        if (boundary || named)
-            edge_reach(brake)[links->edge[h]] = brake->reach[level->faces[h]] = brake->reach[mesh_end(level->faces, h)] =
+        const uint32_t ends[] = {level->faces[h], mesh_end(level->faces, h)};
+        bool flat = shape->on_flat[ends[0]] == FLAT && shape->on_flat[ends[1]] == FLAT;
+        if (boundary || (named && !flat))
+            edge_reach(brake)[links->edge[h]] = brake->reach[ends[0]] = brake->reach[ends[1]] =
                 boundary ? INFINITY : DBL_MAX;
     }
 }
@@ -312,7 +365,7 @@ bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool foun
                           .reach = memory_array(count, sizeof *brake->reach),
                           .plain = memory_array(vertices, 3 * sizeof *brake->plain),
                           .owner = memory_array(vertices, sizeof *brake->owner)};
-    bat_status status = shape_make(coarse, level, &shape, error);
+    bat_status status = shape_make(coarse, level, found, &shape, error);
     if (status == BAT_OK && (brake->reach == NULL || brake->plain == NULL || brake->owner == NULL))
         status = error_memory(error, count * sizeof *brake->reach);
     if (status == BAT_OK)
@@ -320,9 +373,9 @@ bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool foun
         memcpy(brake->plain, coarse->positions, 3 * vertices * sizeof *brake->plain);
         for (uint32_t v = 0; v < vertices; v++)
             brake->owner[v] = v;
-        brake->solid = found && is_solid(&shape);
         reach_by_angles(&shape, brake);
         hold_flat_and_sharp(&shape, brake);
+        hold_apexes(&shape, brake);
         free_named(&shape, brake);
         hold_between(brake, coarse->faces);
     }
@@ -454,8 +507,11 @@ bat_status bat_mesh_is_solid(const bat_mesh *mesh, bool *solid, bat_error *error
         return status == BAT_NO_MEMORY ? status : BAT_OK;
     const mesh_level level = {.faces = mesh->faces, .links = &links};
     mesh_shape shape;
-    status = shape_make(mesh, &level, &shape, error);
-    *solid = status == BAT_OK && is_solid(&shape);
+    status = shape_make(mesh, &level, true, &shape, error);
+    size_t faces = 0;
+    for (size_t f = 0; status == BAT_OK && f < mesh->face_count; f++)
+        faces += shape.solid[f];
+    *solid = faces > 0 && 2 * faces >= mesh->face_count;
     memory_pool_free(&shape.pool);
     bat_mesh_connectivity_free(&links);
     return status;

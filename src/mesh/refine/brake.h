@@ -10,8 +10,8 @@
 /// the sagitta of an arc through them. The reach of flat faces and, on a solid, of sharp edges is 0.
 ///
 /// A flat face is a set of three or more coplanar triangles. Two coplanar triangles are a flat face too, unless they are one
-/// of many facets of a smooth surface, beside neighbours of comparable height. A solid is a mesh with sharp edges, half of
-/// whose vertices or more are on flat faces.
+/// of many facets of a smooth surface, beside neighbours of comparable height. A solid is a connected piece with sharp edges.
+/// Half of its vertices or more are on flat faces, or hardly an edge has an angle between sharp and smooth.
 
 /// Radians: an edge of a solid is sharp where faces meet at a greater angle. Prisms of up to eleven sides are not round.
 #define BRAKE_SHARP 0.5235987755982988
@@ -21,7 +21,6 @@ typedef struct mesh_brake
     const bat_mesh *coarse; ///< null: nothing is bounded
     const bat_mesh_connectivity *links;
     double *reach; ///< of the coarse vertices, then edges, then faces; 0: stay; infinite: free
-    bool solid;
     // Of the current level:
     size_t level, count; ///< the number of levels made, and of vertices
     double *plain;       ///< count x 3: positions by the midpoint scheme
@@ -30,7 +29,7 @@ typedef struct mesh_brake
 
 /// Measure a coarse mesh of triangles. Release the result with brake_free().
 /// @param level the coarse mesh's, with sharpness: sharp edges and vertices are free
-/// @param found sharp edges of a solid are found, because none are named
+/// @param found solids are found, because no sharp edges are named
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool found, mesh_brake *brake, bat_error *error);
 void brake_free(mesh_brake *brake);
