@@ -8,7 +8,7 @@
 #   make docs       a site of all pages, tutorials, a gallery, both references     (build/site)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs, the papers'
-#                   tables and studies and the gradients in double precision, whose code the others run
+#                   tables and studies, gradients in double precision and, unless SLOW= is given, trainings
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
 #   make sanitize-threads  the library's tests with four threads under Clang's ThreadSanitizer
 #   make coverage   the lines of src that the tests run, by folder
@@ -61,9 +61,10 @@ bench: all
 	@for program in build/release/bench/bench_*; do if [ -x $$program ]; then $$program || exit 1; fi; done
 	@web/test/run speed build/release/batten || [ $$? -eq 77 ]
 
+SLOW = |_train$$|^scan_verdict$$
 sanitize: dependencies
 	@$(call configure,sanitize) && $(call compile,sanitize)
-	@$(call test,sanitize) --exclude-regex '^program_|_table$$|_double$$|_study$$|_ablation$$|^documents$$|^mesh_shapes$$'
+	@$(call test,sanitize) --exclude-regex '^program_|_table$$|_double$$|_study$$|_ablation$$|^documents$$|^mesh_shapes$$$(SLOW)'
 
 sanitize-clang: ci-dependencies
 	@$(call configure,sanitize-clang) && $(call compile,sanitize-clang) --target batten
