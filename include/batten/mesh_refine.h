@@ -40,9 +40,9 @@ typedef enum bat_mesh_scheme
 /// BAT_MESH_SCHEME_AUTO itself where memory runs out.
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
 
-/// Find whether most of a mesh of triangles without creases and corners is a solid: connected pieces whose faces meet at more
-/// than 30 degrees. Half of a piece's vertices or more are on flat faces, three at most, or its edges are either sharp or
-/// smooth. A flat face is made of three or more coplanar triangles, or of two that are no facet of a smooth surface. The
+/// Find whether most of a mesh of triangles without creases and corners is a solid: connected pieces whose faces meet at
+/// more than 30 degrees. Half of a piece's vertices or more are on flat faces, three at most, or its edges are either sharp
+/// or smooth. A flat face is made of three or more coplanar triangles, or of two that are no facet of a smooth surface. The
 /// learned scheme keeps the flat faces and sharp edges of solids, also beside other pieces. A mesh that is not manifold is
 /// none. docs/algorithms/mesh-network.md has the rules.
 /// @return BAT_OK or BAT_NO_MEMORY; `solid` is set in any case
