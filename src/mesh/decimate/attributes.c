@@ -225,6 +225,15 @@ static owner_pairs pairs_of(const attribute_field *field, const collapse_mesh *m
     return pairs;
 }
 
+/// Put the error of an owner with a weight and the sums of a value about another value.
+static void shift_quadric(double weight, const double *of_value, double shift, quadric *planes)
+{
+    planes->x += of_value[0] * shift;
+    planes->y += of_value[1] * shift;
+    planes->z += of_value[2] * shift;
+    planes->constant += (2 * of_value[3] + weight * shift) * shift;
+}
+
 /// Turn the sum of two owners' errors, each about its own value, into that of their best value or of the one at `kept`.
 static void minimize_pair(const attribute_field *field, uint32_t a, uint32_t b, const double *half, int kept,
                           quadric *planes)
@@ -238,30 +247,15 @@ static void minimize_pair(const attribute_field *field, uint32_t a, uint32_t b, 
     {
         const double *of_a = sums_a + 1 + 4 * k, *of_b = sums_b + 1 + 4 * k;
         // Values relative to the one at a.
-        double step = value_b[k] - value_a[k], gradient[3];
-        double offset_a = of_a[3] + vector3_dot(of_a, half), offset_b = of_b[3] - vector3_dot(of_b, half);
-        for (int c = 0; c < 3; c++)
-            gradient[c] = of_a[c] + of_b[c];
-        planes->x += of_b[0] * step;
-        planes->y += of_b[1] * step;
-        planes->z += of_b[2] * step;
-        planes->constant += (2 * offset_b + sums_b[0] * step) * step;
-        double offset = offset_a + offset_b + sums_b[0] * step;
-        if (kept != 0)
-        {
-            // The value is that of the kept end: the sum of squares about it.
-            double shift = kept == 1 ? 0 : -step;
-            planes->x += gradient[0] * shift;
-            planes->y += gradient[1] * shift;
-            planes->z += gradient[2] * shift;
-            planes->constant += (2 * offset + weight * shift) * shift;
-            continue;
-        }
-        quadric_add_plane(planes, gradient, -1 / weight);
-        planes->x -= gradient[0] * offset / weight;
-        planes->y -= gradient[1] * offset / weight;
-        planes->z -= gradient[2] * offset / weight;
-        planes->constant -= offset * offset / weight;
+        double step = value_b[k] - value_a[k];
+        const double moved_b[4] = {of_b[0], of_b[1], of_b[2], of_b[3] - vector3_dot(of_b, half)};
+        double offset = of_a[3] + vector3_dot(of_a, half) + moved_b[3] + sums_b[0] * step;
+        const double both[4] = {of_a[0] + of_b[0], of_a[1] + of_b[1], of_a[2] + of_b[2], offset};
+        shift_quadric(sums_b[0], moved_b, step, planes);
+        if (kept == 0)
+            quadric_add_plane(planes, both, -1 / weight);
+        // The best value, or that of the kept end: the sum of squares about it.
+        shift_quadric(weight, both, kept == 0 ? -offset / weight : kept == 1 ? 0 : -step, planes);
     }
 }
 
@@ -340,15 +334,6 @@ bool attributes_stay_valid(const attributes *all, const collapse_mesh *mesh, con
     return true;
 }
 
-/// Put the error of an owner about another value, in the error of its vertex.
-static void shift_quadric(const double *sums, const double *of_value, double shift, quadric *planes)
-{
-    planes->x += of_value[0] * shift;
-    planes->y += of_value[1] * shift;
-    planes->z += of_value[2] * shift;
-    planes->constant += (2 * of_value[3] + sums[0] * shift) * shift;
-}
-
 static void merge_pair(attribute_field *field, const collapse_ring *ring, uint32_t a, uint32_t b, const double *from_i,
                        const double *from_j, int kept, quadric *errors)
 {
@@ -359,8 +344,8 @@ static void merge_pair(attribute_field *field, const collapse_ring *ring, uint32
     {
         double *of_a = sums_a + 1 + 4 * k, *of_b = sums_b + 1 + 4 * k, *merged = sums + 1 + 4 * k, offset;
         double value = merged_value(field, a, b, k, from_i, from_j, kept, &offset);
-        shift_quadric(sums_a, of_a, values_of(field, a)[k] - value, &errors[ring->i]);
-        shift_quadric(sums_b, of_b, values_of(field, b)[k] - value, &errors[ring->j]);
+        shift_quadric(sums_a[0], of_a, values_of(field, a)[k] - value, &errors[ring->i]);
+        shift_quadric(sums_b[0], of_b, values_of(field, b)[k] - value, &errors[ring->j]);
         for (int c = 0; c < 3; c++)
             merged[c] = of_a[c] + of_b[c];
         merged[3] = offset;
