@@ -361,6 +361,25 @@ static void test_attributes(void **state)
     bat_mesh_free(&torus);
 }
 
+/// Values from 0 to 1 stay there, however rough they are.
+static void test_values_stay_in_range(void **state)
+{
+    (void)state;
+    bat_mesh torus = textured_torus(40, 20);
+    for (size_t v = 0; v < torus.vertex_count; v++)
+        torus.channels[v] = (double)(v * v % 7 < 3);
+    for (int way = 0; way < METHODS; way++)
+    {
+        bat_mesh_decimate_options options = options_to(100, 0);
+        options.method = (bat_mesh_decimate_method)way;
+        bat_mesh coarse = decimate(&torus, &options, false);
+        for (size_t v = 0; v < coarse.vertex_count; v++)
+            assert_true(coarse.channels[v] >= 0 && coarse.channels[v] <= 1);
+        bat_mesh_free(&coarse);
+    }
+    bat_mesh_free(&torus);
+}
+
 static void assert_same(const bat_mesh *a, const bat_mesh *b, bool same)
 {
     bool equal = a->vertex_count == b->vertex_count && a->face_count == b->face_count &&
@@ -803,6 +822,7 @@ int main(void)
         cmocka_unit_test(test_bounded_distance),
         cmocka_unit_test(test_bounded_flat_faces),
         cmocka_unit_test(test_attributes),
+        cmocka_unit_test(test_values_stay_in_range),
         cmocka_unit_test(test_seeds),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_degenerate_faces),

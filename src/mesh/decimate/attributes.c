@@ -418,6 +418,8 @@ static bat_status finish_channels(const attribute_field *field, const bat_mesh *
     for (uint32_t v = 0; v < mesh->vertex_count && status == BAT_OK; v++)
         for (size_t k = 0; k < field->width && mesh->first[v] != BAT_MESH_NONE; k++)
             coarse->channels[field->width * mesh->stamp[v] + k] = values_of(field, v)[k] / field->scales[k];
+    if (status == BAT_OK)
+        channels_bound(fine, coarse);
     return status;
 }
 
