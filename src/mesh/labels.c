@@ -123,3 +123,20 @@ bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, ba
     to->channels = memory_array(vertices, from->channel_count * sizeof *to->channels);
     return to->channels != NULL ? BAT_OK : error_memory(error, vertices * from->channel_count * sizeof *to->channels);
 }
+
+const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
+
+size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
+{
+    size_t count = 0;
+    for (; count < MESH_COLOURS; count++)
+    {
+        size_t i = 0;
+        while (i < mesh->channel_count && strcmp(mesh->channel_names[i], mesh_colour_names[count]) != 0)
+            i++;
+        if (i == mesh->channel_count)
+            break;
+        places[count] = i;
+    }
+    return count >= MESH_COLOURS - 1 ? count : 0;
+}

@@ -32,3 +32,10 @@ void channels_bound(const bat_mesh *from, bat_mesh *to);
 /// @param to receives channels, which it must not have yet; bat_mesh_free() releases what was made, also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error);
+
+/// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
+#define MESH_COLOURS 4 ///< the last one is optional
+extern const char *const mesh_colour_names[MESH_COLOURS];
+
+/// The positions of the colours among a mesh's channels. Returns their number: 0, 3 or 4.
+size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS]);

@@ -24,13 +24,6 @@ mesh_writer mesh_obj_write, mesh_ply_write, mesh_off_write, mesh_stl_write, mesh
 mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh_gltf_resembles, mesh_glb_resembles,
     mesh_3mf_resembles;
 
-/// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
-#define MESH_COLOURS 4 ///< the last one is optional
-extern const char *const mesh_colour_names[MESH_COLOURS];
-
-/// The positions of the colours among a mesh's channels. Returns their number: 0, 3 or 4.
-size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS]);
-
 /// Whether every vertex has exactly one texture coordinate, with the vertex's index.
 bool mesh_texture_by_vertex(const bat_mesh *mesh);
 

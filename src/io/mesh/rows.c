@@ -5,24 +5,7 @@
 #include <stdarg.h>
 
 /// @file
-/// What writers and readers of meshes share: the names of colours, and notes.
-
-const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
-
-size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
-{
-    size_t count = 0;
-    for (; count < MESH_COLOURS; count++)
-    {
-        size_t i = 0;
-        while (i < mesh->channel_count && strcmp(mesh->channel_names[i], mesh_colour_names[count]) != 0)
-            i++;
-        if (i == mesh->channel_count)
-            break;
-        places[count] = i;
-    }
-    return count >= MESH_COLOURS - 1 ? count : 0;
-}
+/// What writers and readers of meshes share: notes.
 
 bool mesh_texture_by_vertex(const bat_mesh *mesh)
 {

@@ -5,6 +5,7 @@
 #include "batten/mesh_transfer.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
+#include "mesh/labels.h"
 #include "mesh/measure/closest.h"
 
 #include <math.h>
@@ -53,7 +54,7 @@ typedef struct baking
     double *fine_normals; ///< of the fine mesh's vertices
     double *tangents;     ///< of the coarse mesh's corners
     double *open;         ///< for each fine vertex: the share of directions without an occluder; null for none
-    size_t colour_places[CHANNELS];
+    size_t colour_places[MESH_COLOURS];
     bat_mesh_baked *baked;
 } baking;
 
@@ -341,25 +342,6 @@ static bat_status make_image(const baking *all, bool wanted, const unsigned char
     return image->pixels != NULL ? BAT_OK : error_memory(error, CHANNELS * count);
 }
 
-/// Find the places of the colours among the channels.
-static bool find_colours(baking *all)
-{
-    static const char *const names[CHANNELS] = {"red", "green", "blue"};
-    bool all_found = true;
-    for (size_t k = 0; k < CHANNELS; k++)
-    {
-        bool found = false;
-        for (size_t i = 0; i < all->fine->channel_count; i++)
-            if (strcmp(all->fine->channel_names[i], names[k]) == 0)
-            {
-                all->colour_places[k] = i;
-                found = true;
-            }
-        all_found = all_found && found;
-    }
-    return all_found;
-}
-
 /// Turn the normals of the coarse vertices towards the faces around that they look away from, as the perceptron does. Only
 /// where no normal serves all faces they stay behind one.
 static void face_normals(const bat_mesh *mesh, double *normals)
@@ -441,7 +423,7 @@ bat_status bat_mesh_bake(const bat_mesh_map *map, const bat_mesh *fine, bat_mesh
     bat_mesh shape = {0};
     baking all = {.map = map, .fine = fine, .options = options != NULL ? options : &defaults, .baked = &made};
     bat_status status = bat_options_check(&bat_mesh_bake_fields, all.options, error);
-    if (status == BAT_OK && all.options->colour && !find_colours(&all))
+    if (status == BAT_OK && all.options->colour && mesh_colours(fine, all.colour_places) == 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fine mesh has no colours");
     if (status == BAT_OK)
         status = bat_mesh_copy(coarse, &shape, error);
