@@ -316,6 +316,36 @@ static void test_data_uris(void **state)
     bad(HEAD "\"buffers\":[{\"byteLength\":48}]," GOOD_VIEW GOOD_ACCESSOR MESH("5"), BAT_BAD_FILE, "neither 'uri'");
 }
 
+/// GLB holds images in its binary chunk; glTF as data URIs. Names of files and texts that are no base64 stay.
+static void test_images(void **state)
+{
+    (void)state;
+    static const char materials[] =
+        "{\"materials\":[{\"name\":\"brick\",\"normalTexture\":{\"index\":0}}],\"textures\":[{\"source\":0}],"
+        "\"images\":[{\"mimeType\":\"image/png\",\"uri\":\"data:image/png;base64,aW1hZ2U=\"},"
+        "{\"uri\":\"file.png\"},{\"uri\":\"data:image/png;base64,?\"}]}";
+    bat_mesh mesh = labelled_mesh();
+    mesh.material_json = strdup(materials);
+    for (bat_mesh_format format = BAT_MESH_FORMAT_GLTF; format <= BAT_MESH_FORMAT_GLB; format++)
+    {
+        size_t size;
+        bool binary = format == BAT_MESH_FORMAT_GLB;
+        char *bytes = must_write(&mesh, format, BAT_MESH_ENCODING_BINARY, &size);
+        const char *json = bytes + (binary ? 20 : 0);
+        assert_int_equal(strstr(json, "base64,aW1hZ2U=") == NULL, binary);
+        assert_int_equal(strstr(json, "\"mimeType\":\"image/png\",\"bufferView\":3}") != NULL, binary);
+        assert_non_null(strstr(json, "\"uri\":\"file.png\""));
+        assert_non_null(strstr(json, "base64,?"));
+        assert_int_equal(binary && memcmp(bytes + size - 8, "image\0\0\0", 8) == 0, binary);
+        free(bytes);
+        bat_mesh back = through_file(&mesh, format, BAT_MESH_ENCODING_BINARY);
+        assert_non_null(strstr(back.material_json, "\"uri\":\"data:image/png;base64,aW1hZ2U=\""));
+        assert_null(strstr(back.material_json, "bufferView"));
+        bat_mesh_free(&back);
+    }
+    bat_mesh_free(&mesh);
+}
+
 /// The content decides where the ending is wrong, with a note; JSON and GLB have one reader.
 static void test_wrong_endings(void **state)
 {
@@ -414,6 +444,7 @@ int main(void)
         cmocka_unit_test(test_quantization),
         cmocka_unit_test_setup_teardown(test_external_buffers, enter_folder, leave_folder),
         cmocka_unit_test(test_data_uris),
+        cmocka_unit_test(test_images),
         cmocka_unit_test_setup_teardown(test_wrong_endings, enter_folder, leave_folder),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_notes),

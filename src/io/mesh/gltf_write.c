@@ -768,6 +768,31 @@ bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *o
     return status;
 }
 
+/// Move images from data URIs to the bytes. Images in files, and what is no base64, stay as they are.
+static bool store_images(gltf_writer *writer)
+{
+    json_t *image;
+    size_t index;
+    bool room = true;
+    json_array_foreach(json_object_get(writer->root, "images"), index, image)
+    {
+        const char *uri = json_string_value(json_object_get(image, "uri"));
+        const char *data = uri != NULL && strncmp(uri, "data:", 5) == 0 ? strstr(uri, ";base64,") : NULL;
+        size_t begin = writer->bytes.size;
+        if (data == NULL || !base64_decode(&writer->bytes, data + 8, strlen(data + 8)) || writer->bytes.size == begin)
+            continue;
+        size_t size = writer->bytes.size - begin;
+        while (writer->bytes.size % WORD != 0 && !writer->bytes.failed)
+            text_append(&writer->bytes, "", 1);
+        json_t *view =
+            json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)begin, "byteLength", (json_int_t)size);
+        room = room && json_object_set_new(image, "mimeType", json_stringn(uri + 5, strcspn(uri + 5, ";"))) == 0 &&
+               json_object_set_new(image, "bufferView", index_json(add_to(writer, "bufferViews", view))) == 0 &&
+               json_object_del(image, "uri") == 0;
+    }
+    return room && !writer->bytes.failed;
+}
+
 /// Append the header of a chunk.
 static void append_chunk(text_buffer *text, size_t size, uint32_t kind)
 {
@@ -782,7 +807,7 @@ bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     text_buffer json = {0}, head = {0}, middle = {0};
     bat_status status = writer_fill(&writer, error);
     if (status == BAT_OK)
-        status = finish_json(&writer, false, &json, error);
+        status = store_images(&writer) ? finish_json(&writer, false, &json, error) : no_memory(&writer, error);
     while (status == BAT_OK && json.size % WORD != 0)
         text_append(&json, " ", 1);
     size_t total = GLB_HEADER + 2 * (size_t)GLB_CHUNK_HEADER + json.size + writer.bytes.size;
