@@ -38,8 +38,7 @@ static double cost_of(const hole *at, size_t i, size_t j, size_t k)
     {
         const double *a = at->mesh->positions + 3 * (size_t)vertex_of(at, corners[c]),
                      *b = at->mesh->positions + 3 * (size_t)vertex_of(at, corners[(c + 1) % 3]);
-        for (size_t x = 0; x < 3; x++)
-            edge[c][x] = b[x] - a[x];
+        vector3_subtract(b, a, edge[c]);
         squares += vector3_dot(edge[c], edge[c]);
     }
     vector3_cross(edge[0], edge[1], normal);

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector.h"
 #include "mesh/check.h"
 
 #include <math.h>
@@ -334,8 +335,7 @@ static size_t clear_numbers(double *numbers, size_t count)
 
 static bool is_finite_at(const bat_mesh *mesh, size_t vertex)
 {
-    const double *at = mesh->positions + 3 * vertex;
-    return isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
+    return vector_is_finite(3, mesh->positions + 3 * vertex);
 }
 
 /// Drop the faces with a vertex that is not finite.

@@ -267,13 +267,9 @@ static void format_face(const void *context, size_t f, text_buffer *text)
 {
     const bat_mesh *mesh = ((const off_parts *)context)->mesh;
     size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
-    text_append_count(text, last - first, "");
+    text_append_count(text, last - first, " ");
     for (size_t h = first; h < last; h++)
-    {
-        text_append_string(text, " ");
-        text_append_count(text, mesh->faces[h], "");
-    }
-    text_append_string(text, "\n");
+        text_append_count(text, mesh->faces[h], h + 1 < last ? " " : "\n");
 }
 
 /// Check that colours are at most 1; greater ones would be read as 0 … 255.

@@ -1,5 +1,6 @@
 #include "io/common/bytes.h"
 #include "io/mesh/builder.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <strings.h>
@@ -18,7 +19,7 @@ enum
 /// Add a corner. Corners with equal coordinates become one vertex.
 static bool add_corner(mesh_builder *builder, const double point[3])
 {
-    bool finite = isfinite(point[0]) && isfinite(point[1]) && isfinite(point[2]);
+    bool finite = vector_is_finite(3, point);
     uint32_t vertex = finite ? mesh_builder_merge(builder, point) : (uint32_t)builder->mesh.vertex_count;
     double *other = finite ? NULL : mesh_builder_vertex(builder);
     if (other != NULL)
@@ -179,26 +180,20 @@ bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *opt
 /// The unit normal of a face, or zero. Edges are scaled first to avoid overflow.
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
 {
-    const double *p[3];
-    double edges[2][3], largest = 0.0;
-    for (int c = 0; c < 3; c++)
-        p[c] = mesh->positions + 3 * (size_t)mesh->faces[3 * face + (size_t)c];
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 3; k++)
-        {
-            edges[i][k] = p[i + 1][k] / 2 - p[0][k] / 2;
-            largest = fmax(largest, fabs(edges[i][k]));
-        }
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 3; k++)
-            edges[i][k] = largest > 0 ? edges[i][k] / largest : 0.0;
-    const double *a = edges[0], *b = edges[1];
-    normal[0] = a[1] * b[2] - a[2] * b[1];
-    normal[1] = a[2] * b[0] - a[0] * b[2];
-    normal[2] = a[0] * b[1] - a[1] * b[0];
-    double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const uint32_t *corner = mesh->faces + 3 * face;
+    const double *p = mesh->positions + 3 * (size_t)corner[0];
+    double edges[6], largest = 0.0;
+    for (size_t i = 0; i < 6; i++)
+    {
+        edges[i] = mesh->positions[3 * (size_t)corner[1 + i / 3] + i % 3] / 2 - p[i % 3] / 2;
+        largest = fmax(largest, fabs(edges[i]));
+    }
+    for (size_t i = 0; i < 6 && largest > 0; i++)
+        edges[i] /= largest;
+    vector3_cross(edges, edges + 3, normal);
+    bool flat = !vector3_normalize(normal);
     for (int k = 0; k < 3; k++)
-        normal[k] = length > 0 ? normal[k] / length + 0.0 : 0.0;
+        normal[k] = flat ? 0.0 : normal[k] + 0.0; // no negative zeros
 }
 
 static char *put_floats(char *out, const double values[3])

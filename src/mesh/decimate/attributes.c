@@ -97,11 +97,11 @@ static void measure_areas(const bat_mesh *mesh, double *space, double *texture)
     *space = *texture = 0;
     for (size_t f = 0; f < mesh->face_count; f++)
     {
-        const uint32_t *corner = mesh->faces + 3 * f, *at = mesh->texture_faces + 3 * f;
-        const double *p = mesh->positions + 3 * (size_t)corner[0], *u = mesh->texture + 2 * (size_t)at[0],
-                     *v = mesh->texture + 2 * (size_t)at[1], *w = mesh->texture + 2 * (size_t)at[2];
+        const uint32_t *at = mesh->texture_faces + 3 * f;
+        const double *u = mesh->texture + 2 * (size_t)at[0], *v = mesh->texture + 2 * (size_t)at[1],
+                     *w = mesh->texture + 2 * (size_t)at[2];
         double normal[3];
-        vector3_triangle(p, mesh->positions + 3 * (size_t)corner[1], mesh->positions + 3 * (size_t)corner[2], normal);
+        vector3_face(mesh->positions, mesh->faces + 3 * f, normal);
         *space += sqrt(vector3_dot(normal, normal)) / 2;
         *texture += fabs(vector2_turn(u, v, w)) / 2;
     }

@@ -124,6 +124,15 @@ static inline void map_corners(const bat_mesh_map *map, const map_collapse *coll
     corners[2] = points + (size_t)2 * (FLAT_RING + to);
 }
 
+/// Interpolate a value of the vertices at a point; `values` has `width` numbers for each vertex.
+static inline double map_value_at(const bat_mesh *mesh, const double *values, size_t width, const bat_mesh_point *point)
+{
+    double sum = 0;
+    for (size_t c = 0; c < 3; c++)
+        sum += point->barycentric[c] * values[width * mesh->faces[3 * (size_t)point->face + c]];
+    return sum;
+}
+
 /// Make the identity map of a mesh with `fine_faces` faces.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error);

@@ -402,18 +402,6 @@ bat_status bat_mesh_midpoints(const bat_mesh *coarse, size_t levels, bat_mesh_po
     return BAT_OK;
 }
 
-/// Interpolate values at a point: sum_c barycentric[c] values[corner[c]].
-static void interpolate(const double *values, size_t width, const uint32_t *corner, const double *barycentric,
-                        double *result)
-{
-    for (size_t k = 0; k < width; k++)
-    {
-        result[k] = 0;
-        for (size_t c = 0; c < 3; c++)
-            result[k] += barycentric[c] * values[width * corner[c] + k];
-    }
-}
-
 /// The channels at the images, in a mesh that holds nothing else.
 static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *images, size_t count, bat_mesh *signals,
                                bat_error *error)
@@ -422,12 +410,9 @@ static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *image
     if (width == 0)
         return BAT_OK;
     bat_status status = channels_make(fine, count, signals, error);
-    if (status != BAT_OK)
-        return status;
-    for (size_t i = 0; i < count; i++)
-        interpolate(fine->channels, width, fine->faces + 3 * (size_t)images[i].face, images[i].barycentric,
-                    signals->channels + width * i);
-    return BAT_OK;
+    for (size_t i = 0; i < width * count && status == BAT_OK; i++)
+        signals->channels[i] = map_value_at(fine, fine->channels + i % width, width, &images[i / width]);
+    return status;
 }
 
 bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,

@@ -5,6 +5,7 @@
 #include "batten/mesh_transfer.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
+#include "mesh/decimate/map.h"
 #include "mesh/labels.h"
 #include "mesh/measure/closest.h"
 
@@ -124,16 +125,10 @@ static void normal_at(const baking *all, const bat_mesh_point *point, double nor
 {
     static const double near = 0.7; // the cosine of 45 degrees
     const bat_mesh *fine = all->fine;
-    const double *corners[3], *positions[3];
     double own[3];
-    for (size_t c = 0; c < 3; c++)
-    {
-        size_t vertex = fine->faces[3 * (size_t)point->face + c];
-        corners[c] = all->fine_normals + 3 * vertex;
-        positions[c] = fine->positions + 3 * vertex;
-    }
-    blend(corners, point->barycentric, normal);
-    vector3_triangle(positions[0], positions[1], positions[2], own);
+    for (size_t k = 0; k < 3; k++)
+        normal[k] = map_value_at(fine, all->fine_normals + k, 3, point);
+    vector3_face(fine->positions, fine->faces + 3 * (size_t)point->face, own);
     bool flat = !vector3_normalize(own), smooth = vector3_normalize(normal);
     if (!flat && (!smooth || vector3_dot(own, normal) < near))
         memcpy(normal, own, sizeof own);
@@ -191,14 +186,6 @@ static double encode_normal(const baking *all, size_t face, const double weights
     return angle > far ? write_local(local, -1, frame, normal, pixel) : angle;
 }
 
-static double value_at(const bat_mesh *mesh, const double *values, size_t width, const bat_mesh_point *point)
-{
-    double sum = 0;
-    for (size_t c = 0; c < 3; c++)
-        sum += point->barycentric[c] * values[width * mesh->faces[3 * (size_t)point->face + c]];
-    return sum;
-}
-
 /// Bake a row of texels. `points` has room for a row. Returns the greatest angle.
 static bat_status bake_row(const baking *all, size_t y, bat_mesh_point *points, double *most, bat_error *error)
 {
@@ -228,10 +215,10 @@ static bat_status bake_row(const baking *all, size_t y, bat_mesh_point *points, 
         if (all->baked->normal.pixels != NULL)
             *most = fmax(*most, encode_normal(all, owner[x], weights, normal, all->baked->normal.pixels + at));
         for (size_t k = 0; k < CHANNELS && all->baked->colour.pixels != NULL; k++)
-            all->baked->colour.pixels[at + k] =
-                byte_of(value_at(all->fine, all->fine->channels + all->colour_places[k], all->fine->channel_count, point));
+            all->baked->colour.pixels[at + k] = byte_of(
+                map_value_at(all->fine, all->fine->channels + all->colour_places[k], all->fine->channel_count, point));
         if (all->baked->occlusion.pixels != NULL)
-            memset(all->baked->occlusion.pixels + at, byte_of(value_at(all->fine, all->open, 1, point)), CHANNELS);
+            memset(all->baked->occlusion.pixels + at, byte_of(map_value_at(all->fine, all->open, 1, point)), CHANNELS);
     }
     return status;
 }
@@ -359,8 +346,7 @@ static void face_normals(const bat_mesh *mesh, double *normals)
         {
             const uint32_t *corner = mesh->faces + 3 * f;
             double own[3];
-            vector3_triangle(mesh->positions + 3 * (size_t)corner[0], mesh->positions + 3 * (size_t)corner[1],
-                             mesh->positions + 3 * (size_t)corner[2], own);
+            vector3_face(mesh->positions, corner, own);
             for (size_t c = 0; c < 3 && vector3_normalize(own); c++)
             {
                 double *normal = normals + 3 * (size_t)corner[c], lack = least - vector3_dot(normal, own);

@@ -60,12 +60,11 @@ static void solve(const pull *all, const double *right, double *residual, double
     }
 }
 
-static double value_at(const bat_mesh *mesh, const double *values, size_t width, size_t face, const double *barycentric)
+/// The point of a sample on the fine mesh.
+static bat_mesh_point sample_of(size_t sample)
 {
-    double sum = 0;
-    for (size_t c = 0; c < 3; c++)
-        sum += barycentric[c] * values[width * mesh->faces[3 * face + c]];
-    return sum;
+    const double *shares = SHARES[sample % SAMPLES];
+    return (bat_mesh_point){(uint32_t)(sample / SAMPLES), {shares[0], shares[1], shares[2]}};
 }
 
 /// Carry one value of the fine vertices. It stays within the range of the samples around each vertex.
@@ -75,13 +74,14 @@ static void pull_values(pull *all, const double *from, double *to, size_t width)
     double *right = all->numbers[0], *low = all->numbers[1], *high = all->numbers[2], *c = all->numbers[3];
     for (size_t v = 0; v < n; v++)
     {
-        double here = value_at(all->fine, from, width, all->images[v].face, all->images[v].barycentric);
+        double here = map_value_at(all->fine, from, width, &all->images[v]);
         low[v] = high[v] = here;
         right[v] = all->anchor[v] * here;
     }
     for (size_t i = 0; i < SAMPLES * all->fine->face_count; i++)
     {
-        double value = value_at(all->fine, from, width, i / SAMPLES, SHARES[i % SAMPLES]);
+        const bat_mesh_point sample = sample_of(i);
+        double value = map_value_at(all->fine, from, width, &sample);
         for (size_t k = 0; k < 3; k++)
         {
             uint32_t v = all->coarse->faces[3 * (size_t)all->samples[i].face + k];
@@ -116,18 +116,12 @@ static bat_status begin(const bat_mesh_map *map, pull *all, memory_pool *pool, b
     double total = 0;
     for (size_t f = 0; f < fine->face_count; f++)
     {
-        const double *a = fine->positions + 3 * (size_t)fine->faces[3 * f],
-                     *b = fine->positions + 3 * (size_t)fine->faces[3 * f + 1],
-                     *c = fine->positions + 3 * (size_t)fine->faces[3 * f + 2];
         double normal[3];
-        vector3_triangle(a, b, c, normal);
+        vector3_face(fine->positions, fine->faces + 3 * f, normal);
         all->weights[f] = vector3_length(normal);
         total += all->weights[f];
-        for (size_t s = 0; s < SAMPLES; s++)
-        {
-            all->samples[SAMPLES * f + s].face = (uint32_t)f;
-            memcpy(all->samples[SAMPLES * f + s].barycentric, SHARES[s], sizeof SHARES[s]);
-        }
+        for (size_t s = SAMPLES * f; s < SAMPLES * (f + 1); s++)
+            all->samples[s] = sample_of(s);
     }
     bat_mesh_point *points;
     size_t points_count;
