@@ -2,6 +2,8 @@
 
 #include "batten/mesh.h"
 
+#include <string.h>
+
 /// @file
 /// The labels of faces and the materials of a mesh: bat_mesh::face_labels to bat_mesh::material_json; and its channels.
 
@@ -20,6 +22,12 @@ bat_status mesh_labels_carry(const bat_mesh *from, const uint32_t *sources, size
 #define MESH_LABEL_NAMES 4
 char **mesh_label_name(bat_mesh_label *label, int index);
 const char *mesh_label_text(const bat_mesh_label *label, int index);
+
+/// Whether two texts, which may be null, are equal.
+static inline bool mesh_text_equals(const char *a, const char *b)
+{
+    return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
+}
 
 /// Give a mesh that has no channels copies of their names. False when out of memory.
 bool channels_set_names(bat_mesh *mesh, const char *const *names, size_t count);

@@ -39,13 +39,10 @@ static uint64_t hash_label(const bat_mesh_label *label)
 
 static bool same_label(const bat_mesh_label *a, const bat_mesh_label *b)
 {
+    bool same = true;
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
-    {
-        const char *x = mesh_label_text(a, k), *y = mesh_label_text(b, k);
-        if ((x == NULL) != (y == NULL) || (x != NULL && strcmp(x, y) != 0))
-            return false;
-    }
-    return true;
+        same = same && mesh_text_equals(mesh_label_text(a, k), mesh_label_text(b, k));
+    return same;
 }
 
 /// The place of a label's number in the map, UINT32_MAX for a new one. Equal hashes follow each other. Null: no memory.

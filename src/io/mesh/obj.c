@@ -147,11 +147,6 @@ static bat_status obj_labels_check(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-static bool same_text(const char *a, const char *b)
-{
-    return a == b || (a != NULL && b != NULL && strcmp(a, b) == 0);
-}
-
 /// Append the statements in which the label of a face differs from that of the face before it.
 static void obj_labels_write(const bat_mesh *mesh, size_t face, text_buffer *text)
 {
@@ -163,7 +158,7 @@ static void obj_labels_write(const bat_mesh *mesh, size_t face, text_buffer *tex
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
     {
         const char *name = mesh_label_text(now, k);
-        if (same_text(name, mesh_label_text(before, k)))
+        if (mesh_text_equals(name, mesh_label_text(before, k)))
             continue;
         text_append_string(text, WORDS[k]);
         text_append(text, " ", name != NULL || k == SMOOTHING);

@@ -1,6 +1,7 @@
 #include "mesh/decimate/collapse.h"
 
 #include "base/error.h"
+#include "mesh/labels.h"
 #include "mesh/refine/sharpness.h"
 
 #include <stdlib.h>
@@ -86,11 +87,6 @@ static bat_status set_seams(const bat_mesh *mesh, collapse_mesh *made, uint8_t *
     return room ? BAT_OK : error_memory(error, made->vertex_count * sizeof *edges);
 }
 
-static bool equal_names(const char *a, const char *b)
-{
-    return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
-}
-
 /// Whether faces of two labels belong to different parts of a model: objects, groups or materials. Smoothing groups alone
 /// make no border.
 static bool parts_differ(const bat_mesh *mesh, uint32_t a, uint32_t b)
@@ -98,8 +94,8 @@ static bool parts_differ(const bat_mesh *mesh, uint32_t a, uint32_t b)
     if (a == b)
         return false;
     const bat_mesh_label *of_a = mesh->labels + a, *of_b = mesh->labels + b;
-    return !equal_names(of_a->object, of_b->object) || !equal_names(of_a->group, of_b->group) ||
-           !equal_names(of_a->material, of_b->material);
+    return !mesh_text_equals(of_a->object, of_b->object) || !mesh_text_equals(of_a->group, of_b->group) ||
+           !mesh_text_equals(of_a->material, of_b->material);
 }
 
 /// Mark the edges between parts of the model.

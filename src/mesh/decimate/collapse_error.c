@@ -29,12 +29,8 @@ static void add_curve_plane(const uint32_t *ends, const double *face_normal, dou
     double along[3], upright[3];
     vector3_subtract(vertices[ends[1]].position, vertices[ends[0]].position, along);
     vector3_cross(along, face_normal, upright);
-    double length = sqrt(vector3_dot(upright, upright));
-    if (!(length > 0))
-        return;
-    for (int c = 0; c < 3; c++)
-        upright[c] /= length;
-    for (int end = 0; end < 2; end++)
+    bool there = vector3_normalize(upright);
+    for (int end = 0; end < 2 && there; end++)
         quadric_add_plane(&vertices[ends[end]].planes, upright, weight * vector3_dot(along, along));
 }
 
@@ -47,11 +43,9 @@ void error_vertices_set(const collapse_mesh *mesh, double curve_weight, error_ve
         const uint32_t *corner = mesh->corner + 3 * f;
         double normal[3];
         vector3_triangle(vertices[corner[0]].position, vertices[corner[1]].position, vertices[corner[2]].position, normal);
-        double twice_area = sqrt(vector3_dot(normal, normal));
-        if (!(twice_area > 0))
+        double twice_area = vector3_length(normal);
+        if (!vector3_normalize(normal))
             continue;
-        for (int c = 0; c < 3; c++)
-            normal[c] /= twice_area;
         for (uint32_t c = 0; c < 3; c++)
         {
             uint32_t ends[2] = {corner[c], corner[(c + 1) % 3]};

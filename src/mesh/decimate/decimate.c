@@ -111,17 +111,22 @@ static bool place(const decimation *all, uint32_t edge, uint32_t *kept, error_pl
     return isfinite(placed->error);
 }
 
-/// Compute the error of an edge again and update the queue.
-static void update_error(decimation *all, uint32_t edge)
+/// The error of an edge; infinite where it must not collapse.
+static double error_of(const decimation *all, uint32_t edge)
 {
     error_placement placed;
     uint32_t kept;
-    bool allowed = place(all, edge, &kept, &placed);
-    all->errors[edge] = allowed ? placed.error : INFINITY;
+    return place(all, edge, &kept, &placed) ? placed.error : INFINITY;
+}
+
+/// Compute the error of an edge again and update the queue.
+static void update_error(decimation *all, uint32_t edge)
+{
+    all->errors[edge] = error_of(all, edge);
     if (all->computed != NULL)
         all->computed[edge] = all->now;
-    if (allowed)
-        edge_queue_put(&all->queue, edge, placed.error);
+    if (isfinite(all->errors[edge]))
+        edge_queue_put(&all->queue, edge, all->errors[edge]);
     else
         edge_queue_remove(&all->queue, edge);
 }
@@ -139,15 +144,7 @@ static void compute_errors(decimation *all)
                 memoryless_vertex_set(mesh, all->vertices, (uint32_t)v);
 #pragma omp for schedule(static)
         for (size_t e = 0; e < mesh->edge_count; e++)
-        {
-            error_placement placed;
-            uint32_t kept;
-            bool live = mesh->half_edge[e] != BAT_MESH_NONE;
-            if (live && all->sweeping)
-                all->errors[e] = 0;
-            else
-                all->errors[e] = live && place(all, (uint32_t)e, &kept, &placed) ? placed.error : INFINITY;
-        }
+            all->errors[e] = mesh->half_edge[e] == BAT_MESH_NONE ? INFINITY : all->sweeping ? 0 : error_of(all, (uint32_t)e);
     }
 }
 
@@ -324,14 +321,11 @@ static double sweep_threshold(const decimation *all, double share)
     step = live / SWEEP_SAMPLES + 1;
     for (size_t e = 0; e < all->mesh.edge_count; e++)
     {
-        error_placement placed;
-        uint32_t kept;
         if (!isfinite(all->errors[e]) || seen++ % step != 0)
             continue;
-        if (all->errors[e] > 0)
-            samples[count++] = all->errors[e];
-        else if (place(all, (uint32_t)e, &kept, &placed))
-            samples[count++] = placed.error;
+        double sample = all->errors[e] > 0 ? all->errors[e] : error_of(all, (uint32_t)e);
+        if (isfinite(sample))
+            samples[count++] = sample;
     }
     if (count == 0)
         return -INFINITY;
@@ -460,10 +454,8 @@ static bat_status allocate_coarse(const decimation *all, bat_mesh *coarse, bat_e
     coarse->faces = memory_array(mesh->faces_left, 3 * sizeof(uint32_t));
     coarse->creases = creases > 0 ? memory_array(creases, sizeof *coarse->creases) : NULL;
     coarse->corners = corners > 0 ? memory_array(corners, sizeof *coarse->corners) : NULL;
-    if (all->map != NULL)
-        all->map->kept = memory_array(mesh->faces_left, sizeof *all->map->kept);
     if (coarse->positions != NULL && coarse->faces != NULL && (creases == 0 || coarse->creases != NULL) &&
-        (corners == 0 || coarse->corners != NULL) && (all->map == NULL || all->map->kept != NULL))
+        (corners == 0 || coarse->corners != NULL))
         return BAT_OK;
     bat_mesh_free(coarse);
     return error_memory(error, mesh->vertices_left * 3 * sizeof(double));
@@ -485,7 +477,8 @@ static void copy_vertices(decimation *all, bat_mesh *coarse)
     }
 }
 
-static void copy_faces(const decimation *all, bat_mesh *coarse)
+/// Copy the remaining faces; `kept` receives their numbers before.
+static void copy_faces(const decimation *all, uint32_t *kept, bat_mesh *coarse)
 {
     const collapse_mesh *mesh = &all->mesh;
     size_t count = 0, crease = 0;
@@ -495,9 +488,7 @@ static void copy_faces(const decimation *all, bat_mesh *coarse)
             continue;
         for (size_t c = 0; c < 3; c++)
             coarse->faces[3 * count + c] = mesh->stamp[mesh->corner[3 * f + c]];
-        if (all->map != NULL)
-            all->map->kept[count] = (uint32_t)f;
-        count++;
+        kept[count++] = (uint32_t)f;
     }
     for (size_t e = 0; e < mesh->edge_count && coarse->creases != NULL; e++)
     {
@@ -508,31 +499,22 @@ static void copy_faces(const decimation *all, bat_mesh *coarse)
     }
 }
 
-/// Every coarse face keeps the label of the fine face that it remained from.
-static bat_status carry_labels(const bat_mesh *fine, const collapse_mesh *mesh, bat_mesh *coarse, bat_error *error)
-{
-    size_t count = 0;
-    uint32_t *kept = memory_array(coarse->face_count, sizeof *kept);
-    if (kept == NULL)
-        return error_memory(error, coarse->face_count * sizeof *kept);
-    for (size_t f = 0; f < mesh->face_count; f++)
-        if (mesh->corner[3 * f] != BAT_MESH_NONE)
-            kept[count++] = (uint32_t)f;
-    bat_status status = mesh_labels_carry(fine, kept, 1, coarse, error);
-    free(kept);
-    return status;
-}
-
 static bat_status finish(const bat_mesh *fine, decimation *all, bat_mesh *coarse, bat_error *error)
 {
-    bat_status status = allocate_coarse(all, coarse, error);
-    if (status != BAT_OK)
-        return status;
-    copy_vertices(all, coarse);
-    copy_faces(all, coarse);
-    status = attributes_finish(&all->fields, fine, &all->mesh, coarse, error);
+    uint32_t *kept = memory_array(all->mesh.faces_left, sizeof *kept);
+    bat_status status = kept != NULL ? allocate_coarse(all, coarse, error) : error_memory(error, all->mesh.faces_left);
     if (status == BAT_OK)
-        status = carry_labels(fine, &all->mesh, coarse, error);
+    {
+        copy_vertices(all, coarse);
+        copy_faces(all, kept, coarse);
+        status = attributes_finish(&all->fields, fine, &all->mesh, coarse, error);
+    }
+    if (status == BAT_OK)
+        status = mesh_labels_carry(fine, kept, 1, coarse, error);
+    if (all->map != NULL)
+        all->map->kept = kept;
+    else
+        free(kept);
     if (status == BAT_OK && all->map != NULL)
         status = map_finish(all->map, fine, coarse, error);
     if (status != BAT_OK)
