@@ -77,8 +77,9 @@ BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_pictu
 /// @return BAT_OK, BAT_INVALID_ARGUMENT for an image without pixels, BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, bat_error *error);
 
-/// Make baked images the material of all faces, for writing to glTF: `material_json` and the labels' materials. The colours'
-/// bytes are taken for sRGB, as they are shown.
+/// Put baked images into the materials of all faces, for writing to glTF: `material_json` and the labels' materials. Faces
+/// without one get the material "baked". Where an atlas was made, the materials lose their own textures. The colours' bytes
+/// are taken for sRGB, as they are shown.
 /// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, bat_error *error);
 

@@ -354,6 +354,36 @@ static void odd_meshes_are_drawn(void **state)
     assert_int_equal(unlink(path), 0);
 }
 
+/// Baked images keep the names, factors and textures of materials; with an atlas the textures of their own go.
+static void baked_images_join_materials(void **state)
+{
+    (void)state;
+    unsigned char blue[3] = {128, 128, 255};
+    for (size_t charts = 0; charts < 2; charts++)
+    {
+        bat_mesh ball = make_ball(1);
+        bat_mesh_baked baked = {.normal = {blue, 1, 1}, .charts = charts};
+        ball.material_json = strdup("{\"materials\":[{\"name\":\"brick\",\"doubleSided\":true,\"pbrMetallicRoughness\":"
+                                    "{\"roughnessFactor\":0.5,\"baseColorTexture\":{\"index\":0}}}],"
+                                    "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}]}");
+        ball.face_labels = calloc(ball.face_count, sizeof *ball.face_labels);
+        ball.labels = calloc(2, sizeof *ball.labels);
+        ball.labels[0].material = strdup("brick");
+        ball.label_count = 2;
+        assert_int_equal(bat_mesh_baked_attach(&baked, &ball, NULL), BAT_OK);
+        assert_string_equal(ball.labels[0].material, "brick");
+        assert_string_equal(ball.labels[1].material, "baked");
+        const char *text = ball.material_json;
+        assert_non_null(strstr(text, "\"name\":\"brick\",\"doubleSided\":true"));
+        assert_non_null(strstr(text, "\"roughnessFactor\":0.5"));
+        assert_non_null(strstr(text, "\"name\":\"baked\""));
+        assert_int_equal(strstr(text, "a.png") != NULL, charts == 0);
+        assert_int_equal(strstr(text, "\"baseColorTexture\":{\"index\":0}") != NULL, charts == 0);
+        assert_non_null(strstr(text, charts == 0 ? "\"normalTexture\":{\"index\":1}" : "\"normalTexture\":{\"index\":0}"));
+        bat_mesh_free(&ball);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,6 +397,7 @@ int main(void)
         cmocka_unit_test(scale_is_even),
         cmocka_unit_test(bad_input_is_refused),
         cmocka_unit_test(odd_meshes_are_drawn),
+        cmocka_unit_test(baked_images_join_materials),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -297,6 +297,16 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\
 check "normals are baked into a file" test -s normal.png
 check "and into glTF, with tangents" sh -c 'grep -q data:image/png asset.gltf && grep -q TANGENT asset.gltf'
 check "the report tells how far they are" json decimate.json '"normal_turn": [0-9]'
+{
+    printf '%s' '{"asset":{"version":"2.0"},"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAAAAAAEAAAAAAAAAAQAAAAEAAAAAA"}],'
+    printf '%s' '"bufferViews":[{"buffer":0,"byteLength":48,"byteStride":12}],"accessors":[{"type":"VEC3","componentType":5126,"bufferView":0,"count":4},'
+    printf '%s' '{"type":"VEC2","componentType":5126,"bufferView":0,"count":4}],"images":[{"uri":"wall.png"}],"textures":[{"source":0}],'
+    printf '%s' '"materials":[{"name":"wall","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],'
+    printf '%s' '"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"mode":5,"material":0}]}]}'
+} > wall.gltf
+"$batten" decimate wall.gltf -o again.gltf --faces 2 --bake normal --size 32 > notes.txt
+check "a note tells that an atlas costs a material its images" grep -q '^note: the images of materials are left out: an atlas' notes.txt
+check "the material keeps its name" grep -q '"name":"wall"' again.gltf
 "$batten" decimate torus.obj -o chain.gltf --lods 1,0.5,0.25 > /dev/null
 check "levels of detail are in one file" grep -q '"MSFT_lod":{"ids":\[1,2\]}' chain.gltf
 "$batten" decimate fins.obj -o again.obj --vertices 9 > notes.txt

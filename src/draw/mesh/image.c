@@ -50,27 +50,54 @@ bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, b
     return status;
 }
 
+/// A member of an object, which is made where it is missing or of another type. Null when out of memory.
+static json_t *member_of(json_t *object, const char *key, json_type type)
+{
+    json_t *member = json_object_get(object, key);
+    if (member != NULL && json_typeof(member) == type)
+        return member;
+    member = type == JSON_ARRAY ? json_array() : json_object();
+    return json_object_set_new(object, key, member) == 0 ? member : NULL;
+}
+
 /// Add an image to the arrays of a glTF file. Returns a texture reference, null when out of memory.
 static json_t *add_texture(json_t *root, const bat_mesh_image *image)
 {
     text_buffer bytes = {0}, uri = {0};
-    json_t *images = json_object_get(root, "images"), *textures = json_object_get(root, "textures");
-    size_t index = json_array_size(textures);
+    json_t *images = member_of(root, "images", JSON_ARRAY), *textures = member_of(root, "textures", JSON_ARRAY),
+           *samplers = member_of(root, "samplers", JSON_ARRAY);
     bool made = append_png(image, &bytes, NULL) == BAT_OK;
     text_append_string(&uri, "data:image/png;base64,");
     if (made)
         base64_append(&uri, bytes.data, bytes.size);
     made = made && !uri.failed &&
            json_array_append_new(images, json_pack("{s:o}", "uri", json_stringn(uri.data, uri.size))) == 0 &&
-           json_array_append_new(
-               textures, json_pack("{s:I, s:i}", "source", (json_int_t)json_array_size(images) - 1, "sampler", 0)) == 0;
+           json_array_append_new(samplers, json_pack("{s:i, s:i}", "magFilter", 9729, "minFilter", 9987)) == 0 &&
+           json_array_append_new(textures, json_pack("{s:I, s:I}", "source", (json_int_t)json_array_size(images) - 1,
+                                                     "sampler", (json_int_t)json_array_size(samplers) - 1)) == 0;
     text_free(&bytes);
     text_free(&uri);
-    return made ? json_pack("{s:I}", "index", (json_int_t)index) : NULL;
+    return made ? json_pack("{s:I}", "index", (json_int_t)json_array_size(textures) - 1) : NULL;
 }
 
-/// Give all faces the material of this name, in place of theirs.
-static bool name_material(bat_mesh *mesh, const char *name)
+/// Leave out the textures of a material, also within its extensions.
+static void drop_textures(json_t *value)
+{
+    static const char ending[] = "exture";
+    const char *key;
+    json_t *member;
+    void *next;
+    json_object_foreach_safe(value, next, key, member)
+    {
+        size_t size = strlen(key), tail = sizeof ending - 1;
+        drop_textures(member);
+        if (size >= tail && strcmp(key + size - tail, ending) == 0)
+            (void)json_object_del(value, key);
+    }
+}
+
+/// Give faces without a material the one called "baked", and define those that have only a name.
+static bool define_materials(json_t *materials, bat_mesh *mesh)
 {
     if (mesh->face_labels == NULL)
     {
@@ -80,43 +107,60 @@ static bool name_material(bat_mesh *mesh, const char *name)
         if (mesh->labels == NULL || mesh->face_labels == NULL)
             return false;
     }
-    for (size_t i = 0; i < mesh->label_count; i++)
+    bool room = true;
+    for (size_t i = 0; i < mesh->label_count && room; i++)
     {
-        char *copy = strdup(name);
-        if (copy == NULL)
-            return false;
-        free(mesh->labels[i].material);
-        mesh->labels[i].material = copy;
+        char **name = &mesh->labels[i].material;
+        bool defined = false;
+        *name = *name != NULL ? *name : strdup("baked");
+        for (size_t k = 0; k < json_array_size(materials) && *name != NULL && !defined; k++)
+        {
+            const char *other = json_string_value(json_object_get(json_array_get(materials, k), "name"));
+            defined = other != NULL && strcmp(other, *name) == 0;
+        }
+        room = *name != NULL &&
+               (defined ||
+                json_array_append_new(materials, json_pack("{s:s, s:{s:i, s:i}}", "name", *name, "pbrMetallicRoughness",
+                                                           "metallicFactor", 0, "roughnessFactor", 1)) == 0);
     }
-    return true;
+    return room;
 }
 
 bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, bat_error *error)
 {
-    const struct
+    static const char *const keys[] = {"baseColorTexture", "normalTexture", "occlusionTexture"};
+    const bat_mesh_image *const images[] = {&baked->colour, &baked->normal, &baked->occlusion};
+    json_t *own = NULL;
+    if (mesh->material_json != NULL)
+        (void)json_parse(mesh->material_json, strlen(mesh->material_json), 0, 1, &own, NULL);
+    json_t *root = json_is_object(own) ? json_incref(own) : json_object();
+    json_decref(own);
+    json_t *materials = member_of(root, "materials", JSON_ARRAY);
+    if (baked->charts > 0) // the texture coordinates of the materials' own images are gone
     {
-        const bat_mesh_image *image;
-        const char *key;
-    } parts[] = {{&baked->normal, "normalTexture"}, {&baked->occlusion, "occlusionTexture"}};
-    json_t *shading = json_pack("{s:i, s:i}", "metallicFactor", 0, "roughnessFactor", 1);
-    json_t *material = json_pack("{s:s, s:O}", "name", "baked", "pbrMetallicRoughness", shading);
-    json_t *root = json_pack("{s:[O], s:[], s:[], s:[{s:i, s:i}]}", "materials", material, "textures", "images", "samplers",
-                             "magFilter", 9729, "minFilter", 9987);
-    bool made = root != NULL;
-    if (made && baked->colour.pixels != NULL)
-        made = json_object_set_new(shading, "baseColorTexture", add_texture(root, &baked->colour)) == 0;
-    for (size_t i = 0; i < sizeof parts / sizeof *parts && made; i++)
-        if (parts[i].image->pixels != NULL)
-            made = json_object_set_new(material, parts[i].key, add_texture(root, parts[i].image)) == 0;
-    char *text = made ? json_text_make(root) : NULL;
-    json_decref(shading);
-    json_decref(material);
-    json_decref(root);
-    if (text == NULL || !name_material(mesh, "baked"))
-    {
-        free(text);
-        return error_memory(error, mesh->face_count);
+        static const char *const gone[] = {"textures", "images", "samplers"};
+        for (size_t k = 0; k < sizeof gone / sizeof *gone; k++)
+            (void)json_object_del(root, gone[k]);
+        for (size_t i = 0; i < json_array_size(materials); i++)
+            drop_textures(json_array_get(materials, i));
     }
+    bool made = materials != NULL && define_materials(materials, mesh);
+    for (size_t k = 0; k < sizeof keys / sizeof *keys && made; k++)
+    {
+        json_t *texture = images[k]->pixels != NULL ? add_texture(root, images[k]) : NULL;
+        made = texture != NULL || images[k]->pixels == NULL;
+        for (size_t i = 0; i < json_array_size(materials) && texture != NULL && made; i++)
+        {
+            json_t *material = json_array_get(materials, i);
+            made = json_object_set(k == 0 ? member_of(material, "pbrMetallicRoughness", JSON_OBJECT) : material, keys[k],
+                                   texture) == 0;
+        }
+        json_decref(texture);
+    }
+    char *text = made ? json_text_make(root) : NULL;
+    json_decref(root);
+    if (text == NULL)
+        return error_memory(error, mesh->face_count);
     free(mesh->material_json);
     mesh->material_json = text;
     return BAT_OK;
