@@ -1,3 +1,4 @@
+#include "base/array_grow.h"
 #include "base/bisect.h"
 #include "base/counting_sort.h"
 #include "base/error.h"
@@ -478,41 +479,36 @@ static size_t first_of_edge(const repair_work *work, uint32_t a, uint32_t b)
     return low;
 }
 
-/// Append a crease for every half-edge on the edge of a crease, or with `made` null only count them.
-static size_t follow_crease(const repair_work *work, const bat_mesh_crease *crease, bat_mesh *made)
+/// Append a crease for every half-edge on the edge of a crease. False when out of memory.
+static bool follow_crease(const repair_work *work, const bat_mesh_crease *crease, size_t *room, bat_mesh *made)
 {
     uint32_t a = crease->a < crease->b ? crease->a : crease->b, b = crease->a < crease->b ? crease->b : crease->a;
-    size_t count = 0;
-    for (size_t i = first_of_edge(work, a, b); i < 3 * work->face_count; i++, count++)
+    for (size_t i = first_of_edge(work, a, b); i < 3 * work->face_count; i++)
     {
         uint32_t h = work->sorted[i];
         repair_edge edge = repair_edge_of(work, h);
         if (edge.low != a || edge.high != b)
             break;
         uint32_t from = work->copies[h], to = work->copies[bat_mesh_next(h)];
-        if (made != NULL)
-            made->creases[made->crease_count++] =
-                (bat_mesh_crease){from < to ? from : to, from < to ? to : from, crease->sharpness};
+        const bat_mesh_crease copy = {from < to ? from : to, from < to ? to : from, crease->sharpness};
+        if (!ARRAY_ADD(made->creases, *room, made->crease_count, copy))
+            return false;
     }
-    return count;
+    return true;
 }
 
 /// Copy the creases to all copies of their edges. Of several creases on one edge the sharpest remains.
 static bool carry_creases(const repair_work *work, bat_mesh *made)
 {
     const bat_mesh *mesh = work->mesh;
-    size_t count = 0, kept = 0;
+    size_t room = 0, kept = 0;
     for (size_t i = 0; i < mesh->crease_count; i++)
-        count += follow_crease(work, &mesh->creases[i], NULL);
-    if (count == 0)
-        return true;
-    made->creases = memory_array(count, sizeof *made->creases);
-    if (made->creases == NULL)
-        return false;
-    for (size_t i = 0; i < mesh->crease_count; i++)
-        (void)follow_crease(work, &mesh->creases[i], made);
+        if (!follow_crease(work, &mesh->creases[i], &room, made))
+            return false;
     bat_mesh_crease *creases = made->creases;
-    qsort(creases, count, sizeof *creases, compare_creases);
+    size_t count = made->crease_count;
+    if (count > 0)
+        qsort(creases, count, sizeof *creases, compare_creases);
     for (size_t i = 0; i < count; i++)
     {
         if (kept == 0 || compare_creases(&creases[kept - 1], &creases[i]) != 0)

@@ -141,18 +141,6 @@ static bat_status take_arrays(const safetensors *content, bat_mesh_map *map, bat
     return status;
 }
 
-static bat_status make_links(bat_mesh_map *map, bat_error *error)
-{
-    map->first = memory_array(map->fine_faces, sizeof *map->first);
-    map->last = memory_array(map->fine_faces, sizeof *map->last);
-    if (map->first == NULL || map->last == NULL)
-        return error_memory(error, map->fine_faces * sizeof *map->first);
-    bat_status status = map_allocate_links(map, error);
-    if (status == BAT_OK)
-        map_link(map);
-    return status;
-}
-
 bat_status bat_mesh_map_read(const char *path, const bat_mesh *fine, const bat_mesh *coarse, bat_mesh_map **map,
                              bat_error *error)
 {
@@ -168,7 +156,7 @@ bat_status bat_mesh_map_read(const char *path, const bat_mesh *fine, const bat_m
     if (status == BAT_OK)
         status = map_check(made, fine, coarse, error);
     if (status == BAT_OK)
-        status = make_links(made, error);
+        status = map_link(made, error);
     if (status == BAT_OK)
         *map = made;
     else

@@ -188,15 +188,14 @@ static void scale_colours(mesh_builder *builder)
         builder->mesh.channels[i] /= whole;
 }
 
-static bat_status read_elements(off_reader *reader, bat_error *error)
+/// Read the header, the vertices and the first `faces` faces, or all.
+static bat_status read_elements(off_reader *reader, size_t faces, bat_error *error)
 {
-    bat_status status = BAT_OK;
+    bat_status status = read_header(reader, error);
     for (size_t i = 0; i < reader->vertices && status == BAT_OK; i++)
         status = read_vertex(reader, error);
-    for (size_t i = 0; i < reader->faces && status == BAT_OK; i++)
+    for (size_t i = 0; i < reader->faces && i < faces && status == BAT_OK; i++)
         status = read_face(reader, error);
-    if (status == BAT_OK && scan_next_content(&reader->scan))
-        status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "follows the last face", error);
     return status;
 }
 
@@ -206,11 +205,7 @@ static size_t line_of_face(off_reader *reader, const file_text *text, size_t fac
     bat_error ignored;
     reader->scan = word_scan_start(text->data, text->size);
     mesh_builder_free(&reader->builder);
-    bat_status status = read_header(reader, &ignored);
-    for (size_t i = 0; i < reader->vertices && status == BAT_OK; i++)
-        status = read_vertex(reader, &ignored);
-    for (size_t i = 0; i < face && status == BAT_OK; i++)
-        status = read_face(reader, &ignored);
+    bat_status status = read_elements(reader, face, &ignored);
     (void)scan_next_content(&reader->scan);
     mesh_builder_free(&reader->builder);
     return status == BAT_OK ? reader->scan.line : 0;
@@ -219,9 +214,9 @@ static size_t line_of_face(off_reader *reader, const file_text *text, size_t fac
 bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
     off_reader reader = {.scan = word_scan_start(text->data, text->size), .lenient = options->repair || !options->strict};
-    bat_status status = read_header(&reader, error);
-    if (status == BAT_OK)
-        status = read_elements(&reader, error);
+    bat_status status = read_elements(&reader, SIZE_MAX, error);
+    if (status == BAT_OK && scan_next_content(&reader.scan))
+        status = scan_word_fault(&reader.scan, BAT_NO_INDEX, "follows the last face", error);
     if (status != BAT_OK)
     {
         mesh_builder_free(&reader.builder);

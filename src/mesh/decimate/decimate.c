@@ -96,7 +96,8 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     if (status == BAT_OK)
         status = edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->pool, &all->queue,
                                  error);
-    return status == BAT_OK && mapped ? map_make(fine->face_count, &all->map, error) : status;
+    all->map = mapped ? calloc(1, sizeof *all->map) : NULL;
+    return status == BAT_OK && mapped && all->map == NULL ? error_memory(error, sizeof *all->map) : status;
 }
 
 /// Compute the new vertex of an edge, and the end where it must be, or BAT_MESH_NONE. False where it must not collapse.
@@ -536,19 +537,13 @@ static bat_status decimation_run(const bat_mesh *fine, const bat_mesh_decimate_o
     all->options = options;
     all->target = target;
     all->bound = bound;
-    bat_mesh made = {0};
     bat_status status = begin(fine, map != NULL, all, error);
     if (status == BAT_OK)
         status = run(all, error);
     if (status == BAT_OK)
-        status = finish(fine, all, &made, error);
-    if (status == BAT_OK)
-    {
-        *coarse = made;
-        if (map != NULL)
-            *map = all->map;
-        all->map = NULL;
-    }
+        status = finish(fine, all, coarse, error);
+    if (status == BAT_OK && map != NULL)
+        SWAP(*map, all->map);
     free_all(all);
     return status;
 }

@@ -300,10 +300,7 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
     double length = 0;
     for (int k = 0; k < 4; k++)
     {
-        double step[3] = {0};
-        if (k > 0)
-            vector3_subtract(points[line[k]], points[line[k - 1]], step);
-        length += sqrt(vector3_dot(step, step));
+        length += k > 0 ? vector3_distance(points[line[k]], points[line[k - 1]]) : 0;
         flat[line[k]][0] = length;
         flat[line[k]][1] = 0;
     }
@@ -387,16 +384,12 @@ static double worst_quality(const collapse_ring *ring, const double (*flat)[2], 
 /// positive areas. Each turn passes the direction of vertex[0] once, from right to left.
 static bool winds_once(const collapse_ring *ring, const double (*flat)[2])
 {
-    const double *centre = flat[FLAT_NEW];
-    double axis[2] = {flat[FLAT_RING][0] - centre[0], flat[FLAT_RING][1] - centre[1]};
     uint32_t turns = 0;
     bool was_right = false;
     for (uint32_t k = 1; k <= ring->count; k++)
     {
         uint32_t vertex = ring->closed && k == ring->count ? 0 : k;
-        const double *z = flat[FLAT_RING + vertex];
-        double side = axis[0] * (z[1] - centre[1]) - axis[1] * (z[0] - centre[0]);
-        bool right = vertex != 0 && side < 0;
+        bool right = vertex != 0 && vector2_turn(flat[FLAT_NEW], flat[FLAT_RING], flat[FLAT_RING + vertex]) < 0;
         turns += was_right && !right;
         was_right = right;
     }

@@ -32,23 +32,6 @@ void bat_mesh_map_free(bat_mesh_map *map)
     free(map);
 }
 
-bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error)
-{
-    bat_mesh_map *made = calloc(1, sizeof *made);
-    if (made == NULL)
-        return error_memory(error, sizeof *made);
-    made->fine_faces = fine_faces;
-    made->first = memory_array(fine_faces, sizeof *made->first);
-    made->last = memory_array(fine_faces, sizeof *made->last);
-    if (made->first == NULL || made->last == NULL)
-    {
-        bat_mesh_map_free(made);
-        return error_memory(error, fine_faces * sizeof *made->first);
-    }
-    *map = made;
-    return BAT_OK;
-}
-
 /// Release unused memory of an array. False when that fails; the array then remains.
 static bool shrink(void **array, size_t size, size_t count)
 {
@@ -86,8 +69,13 @@ bat_status map_append(bat_mesh_map *map, const collapse_ring *ring, const double
     return BAT_OK;
 }
 
-void map_link(bat_mesh_map *map)
+bat_status map_link(bat_mesh_map *map, bat_error *error)
 {
+    map->steps = memory_array(map->entry_count, sizeof *map->steps);
+    map->first = memory_array(map->fine_faces, sizeof *map->first);
+    map->last = memory_array(map->fine_faces, sizeof *map->last);
+    if (map->steps == NULL || map->first == NULL || map->last == NULL)
+        return error_memory(error, map->entry_count * sizeof *map->steps);
     memset(map->first, 0xff, map->fine_faces * sizeof *map->first);
     memset(map->last, 0xff, map->fine_faces * sizeof *map->last);
     for (size_t c = 0; c < map->collapse_count; c++)
@@ -101,12 +89,7 @@ void map_link(bat_mesh_map *map)
             map->last[face] = entry;
         }
     }
-}
-
-bat_status map_allocate_links(bat_mesh_map *map, bat_error *error)
-{
-    map->steps = memory_array(map->entry_count, sizeof *map->steps);
-    return map->steps != NULL ? BAT_OK : error_memory(error, map->entry_count * sizeof *map->steps);
+    return BAT_OK;
 }
 
 /// A hash of a mesh's faces in their order (FNV-1a).
@@ -120,20 +103,17 @@ static uint64_t map_digest(const bat_mesh *mesh)
 
 bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error)
 {
-    bat_status status = map_allocate_links(map, error);
-    if (status != BAT_OK)
-        return status;
     // If shrinking fails, the larger arrays remain.
     (void)(map->collapse_count > 0 && shrink((void **)&map->collapses, sizeof *map->collapses, map->collapse_count) &&
            shrink((void **)&map->half_edge, sizeof *map->half_edge, map->entry_count) &&
            shrink((void **)&map->points, 2 * sizeof *map->points, map->point_count));
-    map_link(map);
     map->fine_vertices = fine->vertex_count;
+    map->fine_faces = fine->face_count;
     map->fine_digest = map_digest(fine);
     map->coarse_vertices = coarse->vertex_count;
     map->coarse_faces = coarse->face_count;
     map->coarse_digest = map_digest(coarse);
-    return BAT_OK;
+    return map_link(map, error);
 }
 
 bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error)

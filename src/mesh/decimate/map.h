@@ -133,20 +133,15 @@ static inline double map_value_at(const bat_mesh *mesh, const double *values, si
     return sum;
 }
 
-/// Make the identity map of a mesh with `fine_faces` faces.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error);
-/// Append a collapse; `flat` holds the flattened points of its ring.
+/// Append a collapse to a map, which is all zero before the first one; `flat` holds the flattened points of its ring.
 /// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY
 bat_status map_append(bat_mesh_map *map, const collapse_ring *ring, const double (*flat)[2], bat_error *error);
 /// Finish the map: release spare memory, link the entries, store the digests. `kept` must be set.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error);
-/// Link the entries of every face in the order of the collapses. The arrays of links, `first` and `last` must be allocated.
-void map_link(bat_mesh_map *map);
-/// Allocate the links of all entries.
+/// Link the entries of every face in the order of the collapses.
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status map_allocate_links(bat_mesh_map *map, bat_error *error);
+bat_status map_link(bat_mesh_map *map, bat_error *error);
 /// Check a map whose arrays are set, except for the links. Every collapse must act on existing faces, all flattened faces
 /// must have positive areas, and the remaining faces must be those in `kept`.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
