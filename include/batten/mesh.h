@@ -271,7 +271,8 @@ BAT_API bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *
 
 /// Close boundary loops of at most `max_edges` edges by the triangles of least area between their vertices (Barequet and
 /// Sharir, 1995). A loop all of whose triangulations need an edge that the mesh has elsewhere stays open. New faces follow
-/// after all others; they have texture coordinates and a label of the faces beside the hole.
+/// after all others; they have texture coordinates and a label of the faces beside the hole. A boundary that passes a point
+/// twice, as where a repair split a vertex between two holes, is several loops; the vertices there become one again.
 ///
 /// @param max_edges up to BAT_MESH_MAX_HOLE; time grows with its cube
 /// @param filled    receives the number of filled holes; may be null

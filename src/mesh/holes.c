@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
+#include "mesh/hash_table.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,22 +11,34 @@
 /// @file
 /// Filling of holes: boundary loops of few edges get the triangles of least area (Barequet and Sharir, "Filling gaps in the
 /// boundary of a polyhedron", 1995), by dynamic programming over all triangulations of a loop.
+///
+/// A boundary that passes a point twice, at copies of one vertex, is several loops. The copies become one vertex again where
+/// such a loop is filled; a loop of two edges needs no triangle.
 
 /// A loop of `count` boundary half-edges, and the tables of its triangulations.
 typedef struct hole
 {
     const bat_mesh *mesh;
     const bat_mesh_connectivity *links;
-    uint32_t *half_edges; ///< in the order of the loop
+    const uint32_t *half_edges; ///< in the order of the loop
     size_t count;
-    double *cost;    ///< count x count: least cost of the part of the loop between two vertices; infinite for none
-    uint32_t *apex;  ///< count x count: the third vertex of the triangle on the chord between two vertices
-    uint32_t *place; ///< vertex_count: the place in the loop, or BAT_MESH_NONE
+    double *cost;     ///< count x count: least cost of the part of the loop between two vertices; infinite for none
+    uint32_t *apex;   ///< count x count: the third vertex of the triangle on the chord between two vertices
+    uint32_t *place;  ///< vertex_count: the place in the loop, or BAT_MESH_NONE
+    uint32_t *path;   ///< the half-edges of a boundary that belong to no loop yet
+    uint32_t *passed; ///< vertex_count: the place in the path, or BAT_MESH_NONE
+    uint32_t *point;  ///< vertex_count: the first boundary vertex with the same position; the vertex itself within the mesh
+    bool *joins;      ///< for each point: whether its vertices become one
 } hole;
 
 static uint32_t vertex_of(const hole *at, size_t i)
 {
     return at->mesh->faces[at->half_edges[i]];
+}
+
+static uint32_t end_of(const hole *at, size_t i)
+{
+    return at->mesh->faces[bat_mesh_next(at->half_edges[i])];
 }
 
 /// The area of a triangle, and a little of its squared edges: of equal areas the better shapes win.
@@ -45,36 +58,25 @@ static double cost_of(const hole *at, size_t i, size_t j, size_t k)
     return sqrt(vector3_dot(normal, normal)) / 2 + share * squares;
 }
 
-/// Follow the loop from a boundary half-edge, up to `most` edges. `seen` marks its half-edges; returns their number.
-static size_t follow_loop(hole *at, uint32_t begin, size_t most, unsigned char *seen)
-{
-    size_t count = 0;
-    uint32_t h = begin;
-    do
-    {
-        seen[h] = 1;
-        if (count < most)
-            at->half_edges[count] = h;
-        count++;
-        h = at->links->first[at->mesh->faces[bat_mesh_next(h)]];
-    } while (h != begin);
-    return count;
-}
-
 /// Forbid chords that are edges of the mesh already.
 static void forbid_edges(hole *at)
 {
-    for (size_t i = 0; i < at->count; i++)
-        at->place[vertex_of(at, i)] = (uint32_t)i;
-    for (size_t i = 0; i < at->count; i++)
-        for (uint32_t h = at->half_edges[i]; h != BAT_MESH_NONE; h = bat_mesh_next_around(at->links, h))
+    size_t n = at->count;
+    for (size_t i = 0; i < n; i++)
+        at->place[at->point[vertex_of(at, i)]] = (uint32_t)i;
+    for (size_t i = 0; i < 2 * n; i++) // the faces around the begins, then those around the ends
+    {
+        size_t j = i < n ? i : (i + 1) % n;
+        uint32_t h = i < n ? at->half_edges[i] : at->links->first[end_of(at, i - n)];
+        for (; h != BAT_MESH_NONE; h = bat_mesh_next_around(at->links, h))
         {
-            size_t k = at->place[at->mesh->faces[bat_mesh_next(h)]];
-            if (k != BAT_MESH_NONE && k + 1 != i && i + 1 != k)
-                at->cost[i * at->count + k] = at->cost[k * at->count + i] = NAN;
+            size_t k = at->place[at->point[at->mesh->faces[bat_mesh_next(h)]]];
+            if (k != BAT_MESH_NONE && k + 1 != j && j + 1 != k)
+                at->cost[j * n + k] = at->cost[k * n + j] = NAN;
         }
-    for (size_t i = 0; i < at->count; i++)
-        at->place[vertex_of(at, i)] = BAT_MESH_NONE;
+    }
+    for (size_t i = 0; i < n; i++)
+        at->place[at->point[vertex_of(at, i)]] = BAT_MESH_NONE;
 }
 
 /// Find the cheapest triangulation of every part of the loop. False when the whole has none.
@@ -145,22 +147,83 @@ static bool reserve_faces(bat_mesh *mesh, size_t count)
     return room;
 }
 
+/// Fill the loop at the end of a path, from its place `begin` on, unless it has more than `most` edges.
+static bool fill_loop(hole *at, size_t begin, size_t end, size_t most, size_t (*stack)[2], size_t *filled, bat_mesh *closed)
+{
+    at->half_edges = at->path + begin;
+    at->count = end - begin;
+    for (size_t i = 0; i < at->count; i++)
+        at->passed[at->point[vertex_of(at, i)]] = BAT_MESH_NONE;
+    if (at->count < 2 || at->count > most || (at->count > 2 && !find_triangles(at)))
+        return true;
+    if (!reserve_faces(closed, closed->face_count + at->count - 2))
+        return false;
+    add_triangles(at, stack, closed);
+    for (size_t i = 0; i < at->count; i++)
+        at->joins[at->point[end_of(at, i)]] |= end_of(at, i) != vertex_of(at, (i + 1) % at->count);
+    ++*filled;
+    return true;
+}
+
 /// Fill all loops of at most `most` edges. `closed` is a copy of the mesh.
 static bool fill_loops(hole *at, size_t most, unsigned char *seen, size_t (*stack)[2], size_t *filled, bat_mesh *closed)
 {
-    for (uint32_t h = 0; h < 3 * at->mesh->face_count; h++)
+    bool room = true;
+    for (uint32_t begin = 0; begin < 3 * at->mesh->face_count && room; begin++)
     {
-        if (at->links->twin[h] != BAT_MESH_NONE || seen[h])
-            continue;
-        at->count = follow_loop(at, h, most, seen);
-        if (at->count < 3 || at->count > most || !find_triangles(at))
-            continue;
-        if (!reserve_faces(closed, closed->face_count + at->count - 2))
-            return false;
-        add_triangles(at, stack, closed);
-        ++*filled;
+        uint32_t length = 0;
+        for (uint32_t h = begin; at->links->twin[h] == BAT_MESH_NONE && seen[h] == 0 && room;)
+        {
+            uint32_t *passed = &at->passed[at->point[at->mesh->faces[h]]], back = *passed;
+            seen[h] = 1;
+            if (back != BAT_MESH_NONE)
+                room = fill_loop(at, back, length, most, stack, filled, closed);
+            length = back != BAT_MESH_NONE ? back : length;
+            *passed = length;
+            at->path[length++] = h;
+            h = at->links->first[at->mesh->faces[bat_mesh_next(h)]];
+        }
+        room = room && fill_loop(at, 0, length, most, stack, filled, closed);
     }
-    return true;
+    return room;
+}
+
+/// Find the boundary vertices at each point. False when out of memory.
+static bool find_points(hole *at)
+{
+    point_table table = {.points = at->mesh->positions};
+    bool room = true;
+    for (uint32_t v = 0; v < at->mesh->vertex_count && room; v++)
+    {
+        uint32_t first = at->links->first[v], found = BAT_MESH_NONE;
+        bool open = first != BAT_MESH_NONE && at->links->twin[first] == BAT_MESH_NONE;
+        if (open)
+            found = point_table_find(&table, at->mesh->positions + 3 * (size_t)v);
+        room = !open || found != BAT_MESH_NONE || point_table_add(&table, v);
+        at->point[v] = found != BAT_MESH_NONE ? found : v;
+    }
+    point_table_free(&table);
+    return room;
+}
+
+/// Make one vertex of the copies at each point that joins them, and repair what does not belong together.
+static bat_status join_copies(const hole *at, bat_mesh *closed, bat_error *error)
+{
+    uint32_t kept = 0, *number = at->place; // used as workspace here
+    bat_mesh joined;
+    for (uint32_t v = 0; v < at->mesh->vertex_count; v++)
+        number[v] = at->point[v] != v && at->joins[at->point[v]] ? number[at->point[v]] : kept++;
+    if (kept == at->mesh->vertex_count)
+        return BAT_OK;
+    for (size_t i = 0; i < 3 * closed->face_count; i++)
+        closed->faces[i] = number[closed->faces[i]];
+    mesh_renumber(closed, kept, number);
+    bat_status status = bat_mesh_repair(closed, NULL, &joined, error);
+    if (status != BAT_OK)
+        return status;
+    bat_mesh_free(closed);
+    *closed = joined;
+    return BAT_OK;
 }
 
 bat_status bat_mesh_fill_holes(const bat_mesh *mesh, size_t max_edges, size_t *filled, bat_mesh *closed, bat_error *error)
@@ -178,7 +241,10 @@ bat_status bat_mesh_fill_holes(const bat_mesh *mesh, size_t max_edges, size_t *f
     size_t n = links.boundary_edge_count < max_edges ? links.boundary_edge_count : max_edges, count = 0;
     memory_pool pool = {0};
     hole at = {.mesh = mesh, .links = &links};
-    at.half_edges = memory_pool_array(&pool, n + 1, sizeof *at.half_edges);
+    at.path = memory_pool_array(&pool, links.boundary_edge_count + 1, sizeof *at.path);
+    at.passed = memory_pool_array(&pool, mesh->vertex_count, sizeof *at.passed);
+    at.point = memory_pool_array(&pool, mesh->vertex_count, sizeof *at.point);
+    at.joins = memory_pool_zeros(&pool, mesh->vertex_count, sizeof *at.joins);
     at.cost = memory_pool_array(&pool, n * n + 1, sizeof *at.cost);
     at.apex = memory_pool_array(&pool, n * n + 1, sizeof *at.apex);
     at.place = memory_pool_array(&pool, mesh->vertex_count, sizeof *at.place);
@@ -188,8 +254,11 @@ bat_status bat_mesh_fill_holes(const bat_mesh *mesh, size_t max_edges, size_t *f
     if (status == BAT_OK)
     {
         memset(at.place, 0xff, mesh->vertex_count * sizeof *at.place);
-        if (!fill_loops(&at, n, seen, stack, &count, &made))
+        memset(at.passed, 0xff, mesh->vertex_count * sizeof *at.passed);
+        if (!find_points(&at) || !fill_loops(&at, n, seen, stack, &count, &made))
             status = error_memory(error, 3 * made.face_count * sizeof *made.faces);
+        else
+            status = join_copies(&at, &made, error);
     }
     if (status == BAT_OK)
     {

@@ -492,6 +492,50 @@ static void test_holes(void **state)
     bat_mesh_free(&frame);
 }
 
+/// Holes that touch at a vertex, in a chain and around one vertex, are filled each for itself; the vertices that the
+/// repair split become one again.
+static void test_touching_holes(void **state)
+{
+    (void)state;
+    enum
+    {
+        SIDE = 6,
+        GONE = 9
+    };
+    static const size_t gone[] = {2 * (SIDE + 1),         2 * (SIDE + 1) + 1, 2 * (2 * SIDE + 2),
+                                  2 * (2 * SIDE + 2) + 1, 2 * (3 * SIDE + 1), 2 * (3 * SIDE + 1) + 1,
+                                  2 * (4 * SIDE + 4),     2 * (4 * SIDE + 3), 2 * (3 * SIDE + 3)};
+    bat_mesh whole = make_frame(SIDE, SIDE, SIDE), closed;
+    bat_mesh_repair_report report;
+    bat_mesh_connectivity links;
+    size_t boundary, filled, kept = 0;
+    for (size_t f = 0; f < whole.face_count; f++)
+    {
+        bool stays = true;
+        for (size_t i = 0; i < GONE; i++)
+            stays = stays && gone[i] != f;
+        if (stays)
+            memmove(whole.faces + 3 * kept++, whole.faces + 3 * f, 3 * sizeof *whole.faces);
+    }
+    whole.face_count = kept;
+    bat_mesh split = must_repair(&whole, &report, &boundary);
+    assert_int_equal(report.split_vertices, 4);
+    assert_int_equal(report.added_vertices, 5);
+    assert_int_equal(bat_mesh_fill_holes(&split, 3, &filled, &closed, NULL), BAT_OK);
+    assert_int_equal(filled, 3);
+    bat_mesh_free(&closed);
+    assert_int_equal(bat_mesh_fill_holes(&split, 4, &filled, &closed, NULL), BAT_OK);
+    assert_int_equal(filled, 6);
+    assert_int_equal(closed.face_count, 2 * SIDE * SIDE);
+    assert_int_equal(closed.vertex_count, (SIDE + 1) * (SIDE + 1));
+    assert_int_equal(bat_mesh_connect(&closed, &links, NULL), BAT_OK);
+    assert_int_equal(links.boundary_edge_count, 4 * SIDE);
+    bat_mesh_connectivity_free(&links);
+    bat_mesh_free(&closed);
+    bat_mesh_free(&split);
+    bat_mesh_free(&whole);
+}
+
 /// A tetrahedron without two faces: the one way to close its hole repeats no edge. Of the other diagonal there is one.
 static void test_hole_with_an_edge_across(void **state)
 {
@@ -525,6 +569,7 @@ int main(void)
                                        cmocka_unit_test(test_welding_as_by_hand),
                                        cmocka_unit_test(test_a_soup_becomes_a_solid),
                                        cmocka_unit_test(test_holes),
+                                       cmocka_unit_test(test_touching_holes),
                                        cmocka_unit_test(test_hole_with_an_edge_across)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
