@@ -44,7 +44,7 @@ static void test_bad_text(void **state)
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2\n", STL, 4, "a vertex has 3 coordinates");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3 4\n", STL, 4, "a vertex has 3 coordinates");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 x\n", STL, 4, "'x' is not a number");
-    assert_bad("solid\nfacet\nouter loop\nvertex 1 2 nan\n", STL, 4, "'nan' is not a number");
+    assert_bad("solid\nfacet\nouter loop\nvertex 1 2 nan\n", STL, 4, "a corner of triangle 0 is not finite");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 3\nendloop\n", STL, 6,
                "'endloop' was found where 'vertex'");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 3\nvertex 1 2 3\nvertex 1 2 3\n", STL, 7,
@@ -53,6 +53,20 @@ static void test_bad_text(void **state)
     assert_bad("solid\n" TWO FACET("0 0 0", "0 0 0", "1 1 1") "endsolid\n", STL, 16, "face 2 has vertex 0");
     static const char whole[] = "solid\n" TWO "endsolid\n";
     assert_truncations_fail(whole, sizeof whole - 1, 1, STL);
+}
+
+/// A repair drops triangles with a corner that is not finite from text, too.
+static void test_repaired_text(void **state)
+{
+    (void)state;
+    static const char text[] = "solid\n" TWO FACET("0 0 0", "1 0 nan", "1 1 1") "endsolid\n";
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    bat_mesh mesh;
+    options.format = STL;
+    options.repair = true;
+    assert_int_equal(bat_mesh_read_memory(text, sizeof text - 1, &options, &mesh, NULL), BAT_OK);
+    assert_int_equal(mesh.face_count, 2);
+    bat_mesh_free(&mesh);
 }
 
 /// Binary STL of a mesh, made by hand.
@@ -195,8 +209,9 @@ static void test_weld(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_weld),       cmocka_unit_test(test_text),
-                                       cmocka_unit_test(test_bad_text),   cmocka_unit_test(test_bytes),
-                                       cmocka_unit_test(test_round_trip), cmocka_unit_test(test_normals)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_weld),     cmocka_unit_test(test_text),
+                                       cmocka_unit_test(test_bad_text), cmocka_unit_test(test_repaired_text),
+                                       cmocka_unit_test(test_bytes),    cmocka_unit_test(test_round_trip),
+                                       cmocka_unit_test(test_normals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,17 +16,22 @@ enum
     TRIANGLE_SIZE = 50 ///< a normal, three vertices, two bytes of attributes
 };
 
-/// Add a corner. Corners with equal coordinates become one vertex.
-static bool add_corner(mesh_builder *builder, const double point[3])
+/// Add a corner of the current triangle. Corners with equal coordinates become one vertex.
+/// @param line 0 for none
+static bat_status add_corner(mesh_builder *builder, const double point[3], bool repair, size_t line, bat_error *error)
 {
     bool finite = vector_is_finite(3, point);
+    size_t index = builder->mesh.face_count;
+    if (!finite && !repair)
+        return error_remedy(error,
+                            error_set(error, BAT_BAD_FILE, index, line, "a corner of triangle %zu is not finite", index),
+                            "repair", "drops the triangle");
     uint32_t vertex = finite ? mesh_builder_merge(builder, point) : (uint32_t)builder->mesh.vertex_count;
     double *other = finite ? NULL : mesh_builder_vertex(builder);
     if (other != NULL)
         memcpy(other, point, 3 * sizeof *other);
-    if (!finite && other == NULL)
-        return false;
-    return vertex != BAT_MESH_NONE && mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
+    bool room = (finite || other != NULL) && vertex != BAT_MESH_NONE && mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
+    return room ? BAT_OK : mesh_builder_no_memory(builder, error);
 }
 
 /// Whether the size agrees with the count of a binary file. Some binary files begin with "solid" like text files.
@@ -58,21 +63,16 @@ bool mesh_stl_resembles(const file_text *text)
     return is_binary(text) || begins_as_text(text);
 }
 
-static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes, size_t index, bool repair, bat_error *error)
+static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes, bool repair, bat_error *error)
 {
     for (size_t c = 0; c < 3; c++)
     {
         double point[3];
         for (size_t k = 0; k < 3; k++)
-        {
             point[k] = bytes_real(bytes + NORMAL_SIZE + 4 * (3 * c + k), 4, false);
-            if (!isfinite(point[k]) && !repair)
-                return error_remedy(
-                    error, error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index),
-                    "repair", "drops the triangle");
-        }
-        if (!add_corner(builder, point))
-            return mesh_builder_no_memory(builder, error);
+        bat_status status = add_corner(builder, point, repair, 0, error);
+        if (status != BAT_OK)
+            return status;
     }
     return mesh_builder_end_face(builder, 3) ? BAT_OK : mesh_builder_no_memory(builder, error);
 }
@@ -92,7 +92,7 @@ static bat_status read_binary(mesh_builder *builder, const file_text *text, bool
         return mesh_builder_no_memory(builder, error);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-        status = read_binary_triangle(builder, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, repair, error);
+        status = read_binary_triangle(builder, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, repair, error);
     return status;
 }
 
@@ -110,7 +110,7 @@ static bat_status expect(word_scan *scan, size_t index, const char *first, const
                      second != NULL ? second : "");
 }
 
-static bat_status read_text_vertex(mesh_builder *builder, word_scan *scan, bat_error *error)
+static bat_status read_text_vertex(mesh_builder *builder, word_scan *scan, bool repair, bat_error *error)
 {
     static const char three[] = "a vertex has 3 coordinates";
     size_t index = builder->mesh.face_count;
@@ -119,21 +119,21 @@ static bat_status read_text_vertex(mesh_builder *builder, word_scan *scan, bat_e
         return status;
     double point[3];
     for (int k = 0; k < 3; k++)
-        if (!scan_number(scan, &point[k]))
+        if (!scan_number(scan, &point[k]) && !scan_not_finite(scan, &point[k]))
             return scan_number_fault(scan, index, three, error);
     if (!scan_line_done(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "%s", three);
-    return add_corner(builder, point) ? BAT_OK : mesh_builder_no_memory(builder, error);
+    return add_corner(builder, point, repair, scan->line, error);
 }
 
 /// Read a facet after its first word. Its normal follows from its corners and is skipped.
-static bat_status read_text_facet(mesh_builder *builder, word_scan *scan, bat_error *error)
+static bat_status read_text_facet(mesh_builder *builder, word_scan *scan, bool repair, bat_error *error)
 {
     size_t index = builder->mesh.face_count;
     (void)scan_next_line(scan);
     bat_status status = expect(scan, index, "outer", "loop", error);
     for (int c = 0; c < 3 && status == BAT_OK; c++)
-        status = read_text_vertex(builder, scan, error);
+        status = read_text_vertex(builder, scan, repair, error);
     if (status == BAT_OK)
         status = expect(scan, index, "endloop", NULL, error);
     if (status == BAT_OK)
@@ -144,7 +144,7 @@ static bat_status read_text_facet(mesh_builder *builder, word_scan *scan, bat_er
 }
 
 /// Read one or more solids. Their names are skipped.
-static bat_status read_text(mesh_builder *builder, const file_text *text, bat_error *error)
+static bat_status read_text(mesh_builder *builder, const file_text *text, bool repair, bat_error *error)
 {
     word_scan scan = word_scan_start(text->data, text->size);
     bat_status status = BAT_OK;
@@ -153,7 +153,7 @@ static bat_status read_text(mesh_builder *builder, const file_text *text, bat_er
         status = expect(&scan, BAT_NO_INDEX, "solid", NULL, error);
         (void)scan_next_line(&scan);
         while (status == BAT_OK && scan_next_content(&scan) && skip_word(&scan, "facet"))
-            status = read_text_facet(builder, &scan, error);
+            status = read_text_facet(builder, &scan, repair, error);
         if (status == BAT_OK)
             status = expect(&scan, BAT_NO_INDEX, "endsolid", NULL, error);
         (void)scan_next_line(&scan);
@@ -165,7 +165,7 @@ bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *opt
 {
     mesh_builder builder = {0};
     bool binary = is_binary(text) || !begins_as_text(text);
-    bat_status status = binary ? read_binary(&builder, text, options->repair, error) : read_text(&builder, text, error);
+    bat_status status = (binary ? read_binary : read_text)(&builder, text, options->repair, error);
     if (status != BAT_OK)
     {
         mesh_builder_free(&builder);
