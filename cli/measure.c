@@ -40,6 +40,7 @@ typedef struct measure_job
     results results; ///< of them
     bat_mesh_read_options read_mesh;
     bat_mesh_compare_options compare;
+    bat_mesh_notes notes; ///< of reading meshes
     bat_mesh meshes[2];
     bat_mesh_summary summary;   ///< of one mesh
     bat_mesh_distance distance; ///< of two
@@ -59,6 +60,9 @@ static const option_spec OPTIONS[] = {
      WHOLE(measure_job, compare.samples, 1, MAX_SAMPLES)},
     {"accuracy", "SHARE", METHOD, 0, "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4",
      NUMBER(measure_job, compare.tolerance)},
+    {"strict", NULL, INPUT, 0,
+     "refuse meshes with values that are not finite or faces with a vertex twice; default: note them",
+     FLAG(measure_job, read_mesh.strict)},
     {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw two meshes in the colours of their distances (.png, .svg or .pdf)",
      NO_FIELD},
     END_OF_OPTIONS,
@@ -272,17 +276,47 @@ static json_t *report_mesh_measure(const bat_measure *at, const char *base, doub
     return NULL;
 }
 
-/// Report the measures of one mesh or of two.
-static int report_measures(size_t meshes, const void *base, double diagonal, bool as_json)
+/// Report the measures of one mesh or of two, with notes where there are some.
+static int report_measures(const measure_job *job, size_t meshes, const void *base, double diagonal)
 {
     bat_measure measure;
+    bool as_json = job->call.json;
     json_t *object = as_json ? json_object() : NULL;
+    print_file_notes(&job->call, &job->notes);
+    if (meshes == 2 && !as_json)
+        (void)printf("                                                      of B's diagonal\n");
     for (size_t i = 0; bat_mesh_measures(meshes, i, &measure); i++)
     {
         json_t *value = report_mesh_measure(&measure, base, diagonal, as_json);
         object = as_json ? report_add(object, measure.name, value) : NULL;
     }
+    if (as_json && job->notes.count > 0)
+        object = report_add(object, "notes", file_notes_json(&job->notes));
     return as_json ? report_json(object) : EXIT_DONE;
+}
+
+/// Drop the faces with a vertex twice, as a repair does, with its note. The other faults of the mesh stay, to be counted.
+static bool drop_degenerate(bat_mesh *mesh, bat_mesh_notes *notes)
+{
+    char note[96];
+    size_t kept = 0, corner = 3 * sizeof *mesh->faces;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *at = mesh->faces + 3 * f;
+        if (at[0] == at[1] || at[1] == at[2] || at[2] == at[0])
+            continue;
+        memmove(mesh->faces + 3 * kept, at, corner);
+        if (mesh->texture_faces != NULL)
+            memmove(mesh->texture_faces + 3 * kept, mesh->texture_faces + 3 * f, corner);
+        if (mesh->face_labels != NULL)
+            mesh->face_labels[kept] = mesh->face_labels[f];
+        kept++;
+    }
+    if (kept == mesh->face_count)
+        return true;
+    (void)snprintf(note, sizeof note, "repaired: %zu faces with a vertex twice were dropped", mesh->face_count - kept);
+    mesh->face_count = kept;
+    return add_file_note(notes, note);
 }
 
 /// Draw both meshes, coloured by how far their vertices are from the other.
@@ -318,9 +352,12 @@ static int draw_distances(measure_job *job)
 static int measure_meshes(measure_job *job)
 {
     const bat_mesh *a = &job->meshes[0], *b = &job->meshes[1];
+    job->read_mesh.notes = &job->notes;
     for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
         if (bat_mesh_read(job->paths[i], &job->read_mesh, &job->meshes[i], report_error()) != BAT_OK)
             return report_bad_input(job->call.given, job->paths[i], report_error());
+    if (job->read_mesh.keep_degenerate && !drop_degenerate(&job->meshes[0], &job->notes))
+        return report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
     if (job->paths[1] == NULL)
         return report_status(NULL, job->paths[0], bat_mesh_summarize(a, &job->summary, report_error()));
     job->compare.progress = report_progress("measuring distances");
@@ -336,7 +373,8 @@ static bool check_meshes(measure_job *job)
     const arguments *given = job->call.given;
     job->compare.threads = job->call.threads;
     job->read_mesh.triangulate = true;
-    job->read_mesh.strict = job->paths[1] == NULL; // a summary counts what a repair would change
+    job->read_mesh.keep_degenerate =
+        job->paths[1] == NULL && !job->read_mesh.strict; // a summary counts what a repair would change
     if (argument_first(given, FOR_CURVES) != NULL)
         return usage_refused(given, "--%s is for curves, but %s is a mesh", argument_first(given, FOR_CURVES),
                              job->call.input);
@@ -359,7 +397,7 @@ static void begin(void *to)
 
 static bool check(void *of)
 {
-    static const char *const of_meshes[] = {"at-vertices", "samples", "accuracy", "picture", NULL};
+    static const char *const of_meshes[] = {"at-vertices", "samples", "accuracy", "picture", "strict", NULL};
     measure_job *job = of;
     const arguments *given = job->call.given;
     for (size_t i = 0; i < given->positional_count; i++)
@@ -373,7 +411,8 @@ static bool check(void *of)
     const usage_rule rules[] = {
         {argument(given, "closed") != NULL && argument(given, "open") != NULL, "--closed and --open exclude each other"},
         {job->measure.geodesic && job->measure.to_segments, "--geodesic and --to-segments exclude each other"},
-        {argument_first(given, of_meshes) != NULL, "--at-vertices, --samples, --accuracy and --picture are for meshes"},
+        {argument_first(given, of_meshes) != NULL,
+         "--at-vertices, --samples, --accuracy, --picture and --strict are for meshes"},
         {job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments),
          "--geodesic and --to-segments need a second file to measure the distance from"},
     };
@@ -398,11 +437,8 @@ static int report(void *of)
     const measure_job *job = of;
     if (!job->of_meshes)
         return EXIT_DONE;
-    if (job->paths[1] == NULL)
-        return report_measures(1, &job->summary, job->summary.diagonal, job->call.json);
-    if (!job->call.json)
-        (void)printf("                                                      of B's diagonal\n");
-    return report_measures(2, &job->distance, job->distance.diagonal, job->call.json);
+    return job->paths[1] == NULL ? report_measures(job, 1, &job->summary, job->summary.diagonal)
+                                 : report_measures(job, 2, &job->distance, job->distance.diagonal);
 }
 
 static void end(void *of)
@@ -414,6 +450,7 @@ static void end(void *of)
         bat_mesh_free(&job->meshes[i]);
         free(job->results.fairness[i]);
     }
+    bat_mesh_notes_free(&job->notes);
     free(job->results.distances);
     free(job->results.simple);
 }

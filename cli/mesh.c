@@ -96,6 +96,8 @@ static void begin(void *to)
 /// Finish the options of the files. False after a message.
 static bool check_files(mesh_job *job)
 {
+    if (argument(job->call.given, "weld") != NULL && !(job->read.weld >= 0))
+        return argument_refused(job->call.given, "weld", "0 or a distance above it");
     job->write.threads = job->call.threads;
     job->write.normals = job->normals ? BAT_MESH_NORMALS_ANGLE : BAT_MESH_NORMALS_NONE;
     return argument_ending(job->call.given, &bat_mesh_format_family, (int)job->write.format);
@@ -576,18 +578,15 @@ static int make_lods(mesh_job *job, const bat_mesh_decimate_options *options)
 }
 
 /// Note that the images of materials are lost where an atlas replaces their texture coordinates.
-static void note_images(mesh_job *job)
+static bool note_images(mesh_job *job)
 {
     static const char note[] = "the images of materials are left out: an atlas replaces the texture coordinates, which "
                                "overlap or leave the unit square; without --bake they stay";
     json_t *materials = job->made.material_json != NULL ? json_loads(job->made.material_json, 0, NULL) : NULL;
-    char **texts = realloc(job->notes.texts, (job->notes.count + 1) * sizeof *texts);
-    job->notes.texts = texts != NULL ? texts : job->notes.texts;
     bool lost =
         job->baked.charts > 0 && job->given.texture != NULL && json_array_size(json_object_get(materials, "images")) > 0;
-    if (lost && texts != NULL && (texts[job->notes.count] = strdup(note)) != NULL)
-        job->notes.count++;
     json_decref(materials);
+    return !lost || add_file_note(&job->notes, note);
 }
 
 /// Bake the images, write their files, and put them into the materials of the result.
@@ -607,8 +606,8 @@ static int bake(mesh_job *job)
         if (code == EXIT_DONE)
             code = report_status(NULL, job->bake_files[k], bat_mesh_image_write(path, images[k], report_error()));
     }
-    if (code == EXIT_DONE)
-        note_images(job);
+    if (code == EXIT_DONE && !note_images(job))
+        code = report_failure(job->call.output, &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
         code = report_status(NULL, job->call.output, bat_mesh_baked_attach(&job->baked, &job->made, report_error()));
     return code;

@@ -29,6 +29,17 @@ json_t *file_notes_json(const bat_mesh_notes *notes)
     return list;
 }
 
+bool add_file_note(bat_mesh_notes *notes, const char *text)
+{
+    char **texts = realloc(notes->texts, (notes->count + 1) * sizeof *texts), *copy = strdup(text);
+    notes->texts = texts != NULL ? texts : notes->texts;
+    if (texts != NULL && copy != NULL)
+        texts[notes->count++] = copy;
+    else
+        free(copy);
+    return texts != NULL && copy != NULL;
+}
+
 /// Whether a path leads to a regular file, and to that of `other`.
 static bool is_file(const char *path, const struct stat *other)
 {

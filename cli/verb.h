@@ -56,6 +56,8 @@ typedef struct verb_call
 /// Print the notes of files, as far as the call wants them.
 void print_file_notes(const verb_call *call, const bat_mesh_notes *notes);
 json_t *file_notes_json(const bat_mesh_notes *notes);
+/// Append a note. False when out of memory.
+bool add_file_note(bat_mesh_notes *notes, const char *text);
 
 enum
 {

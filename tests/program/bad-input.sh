@@ -417,6 +417,16 @@ refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels
 refused 1 'repeated.in.obj:4: face 0 has vertex 1, counted from 0, twice; --repair drops the face$' decimate repeated.in.obj --strict -o out.csv --to obj --vertices 3
 refused 1 'repeated.in.obj:4: face 0 has vertex 1 twice; --repair drops the face$' mesh repeated.in.obj --strict -o out.csv --to obj
 refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' mesh fins.in.obj --strict -o out.csv --to obj
+refused 2 '--weld is -1, but must be 0 or a distance above it' mesh fins.in.obj --weld -1 -o out.csv --to obj
+refused 1 'repeated.in.obj:4: face 0 has vertex 1, counted from 0, twice' measure repeated.in.obj --strict
+{
+    printf 'solid s\n'
+    for z in 0 nan; do
+        printf 'facet normal 0 0 1\nouter loop\nvertex 0 0 %s\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n' $z
+    done
+    printf 'endsolid s\n'
+} > odd.in.stl
+refused 1 'odd.in.stl:11: a corner of triangle 1 is not finite; --repair drops the triangle$' mesh odd.in.stl -o out.csv --to obj
 refused 2 'needs --picture' mesh mesh.in.obj -o out.csv --to obj --beside loop
 refused 2 'there is no mesh scheme' mesh mesh.in.obj --picture out.png --beside chaikin
 refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj

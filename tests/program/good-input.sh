@@ -311,6 +311,10 @@ check "the material keeps its name" grep -q '"name":"wall"' again.gltf
 check "levels of detail are in one file" grep -q '"MSFT_lod":{"ids":\[1,2\]}' chain.gltf
 "$batten" decimate fins.obj -o again.obj --vertices 9 > notes.txt
 check "what is harmless is repaired with a note" grep -q '^note: repaired: 1 edges of more than two faces' notes.txt
+printf 'v 0 0 0 1 1 nan\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nf 1 1 2\n' > odd.obj
+"$batten" measure odd.obj > notes.txt
+check "measure notes values that are not finite" grep -q '^note: 1 values that are not finite were set to 0' notes.txt
+check "and faces with a vertex twice" grep -q '^note: repaired: 1 faces with a vertex twice were dropped' notes.txt
 check "--repair splits what is no manifold" "$batten" decimate fins.obj -o again.obj --vertices 9 --repair --quiet
 
 "$batten" mesh torus.obj -o fine.obj --quiet
