@@ -511,6 +511,8 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     for name, part in (("creases", creases), ("corners", corners), ("channels", channels)):
         if part is not None:
             coarse = coarse._with(name, part)
+    if theirs is not None:
+        coarse.creases, coarse.corners = theirs.renumbered(coarse.creases, ("a", "b")), theirs.renumbered(coarse.corners, ("vertex",))
     fine, fallback = ffi.new("bat_mesh *"), ffi.new("size_t *")
     how, normals = options("bat_mesh_refine_options", settings), ffi.new("double **")
     how.limit_normals = normals if limit_normals else ffi.NULL
@@ -521,7 +523,7 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     made = (PolygonMesh if fine.offsets != ffi.NULL else type(coarse))._from(fine)
     if normals[0] != ffi.NULL:
         made.vertex_normals = take(normals[0], made.vertices.shape)
-    return made if theirs is None else theirs.refined(Mesh.of(coarse), Mesh.of(made))
+    return made if theirs is None else theirs.refined(Mesh.of(made))
 
 
 def _coarse(mesh: Any, faces: Any, scheme: Any) -> _Faces:
@@ -684,5 +686,5 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
         call(lib.bat_mesh_decimate, fine._struct(), how, coarse, made)
     left = Mesh._from(coarse)
     way = MeshMap(fine, left, made[0]) if made != ffi.NULL else None
-    return Decimation(left if theirs is None else theirs.decimated(fine, left, way), way if map else None,
+    return Decimation(left if theirs is None else theirs.decimated(left, way), way if map else None,
                       bound[0] if how.tolerance else None)  # fmt: skip

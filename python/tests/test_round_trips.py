@@ -97,6 +97,63 @@ def test_texture_of_trimesh(trimesh, way):
     np.testing.assert_allclose(made.visual.vertex_attributes["shade"], made.vertices[:, :2].sum(axis=1), atol=1e-12 if way is refined else 0.1)
 
 
+def seamed(trimesh, tmp_path):
+    """An octahedron of two charts, which meet in all edges; both poles join opposite faces of a chart."""
+    vertices = [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"vt {x + 5 * chart} {y}" for chart in (0, 1) for x, y, _ in vertices]
+    for i in range(4):
+        for face in ((i, (i + 1) % 4, 4), ((i + 1) % 4, i, 5)):
+            lines.append("f " + " ".join(f"{k + 1}/{k + 1 + 6 * (i % 2)}" for k in face))
+    (tmp_path / "seamed.obj").write_text("\n".join(lines))
+    mesh = trimesh.load(tmp_path / "seamed.obj", process=False)
+    mesh = mesh if hasattr(mesh, "faces") else mesh.to_mesh()
+    assert len(mesh.vertices) == 12 and len(batten.Mesh.read(tmp_path / "seamed.obj").vertices) == 6
+    mesh.vertex_attributes.update(chart=(mesh.visual.uv[:, 0] > 3).astype(float), height=mesh.vertices[:, 2].copy(), number=np.arange(12))
+    return mesh
+
+
+def closed(trimesh, mesh):
+    bare = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    bare.merge_vertices()
+    return bare.is_watertight
+
+
+def test_seams_of_trimesh_stay_closed(trimesh, tmp_path):
+    given = seamed(trimesh, tmp_path)
+    for scheme in ("loop", "learned", "midpoint"):
+        fine, own = (batten.refine_mesh(mesh, scheme=scheme, levels=2) for mesh in (given, batten.Mesh.read(tmp_path / "seamed.obj")))
+        assert closed(trimesh, fine) and np.array_equal(fine.triangles, own.vertices[own.faces])
+        assert np.array_equal(fine.visual.uv[fine.faces], own.texture[own.texture_faces])
+    assert len(fine.vertices) > 66 and np.abs(fine.visual.uv[:, 1] - fine.vertices[:, 1]).max() < 1e-12
+    chart = fine.visual.uv[:, 0] > 3
+    for name, values in fine.vertex_attributes.items():
+        expected = {"chart": chart, "height": fine.vertices[:, 2], "number": values}[name]
+        np.testing.assert_allclose(values, expected, atol=1e-12)
+    assert np.array_equal(given.visual.uv[fine.vertex_attributes["number"], 0] > 3, chart)
+    assert closed(trimesh, batten.refine_mesh(given, scheme="catmull-clark", levels=1))
+    assert batten.measure(given).closed and len(given.vertices) == 12  # not changed
+    coarse = batten.decimate(fine, faces=40)
+    assert closed(trimesh, coarse.mesh) and len(coarse.mesh.faces) in (39, 40) and len(coarse.mesh.visual.uv) == len(coarse.mesh.vertices)
+    assert closed(trimesh, batten.decimate(fine, faces=40, map=False, method="fast").mesh)
+
+
+def test_creases_of_a_trimesh_with_seams(trimesh, tmp_path):
+    given = seamed(trimesh, tmp_path)
+    at = [int(np.flatnonzero((given.vertices == place).all(axis=1))[-1]) for place in ([1, 0, 0], [0, 1, 0])]
+    sharp = batten.refine_mesh(given, scheme="loop", levels=2, creases=[(*at, 9.0)], corners=[(at[0], 9.0)])
+    own = batten.refine_mesh(batten.Mesh.read(tmp_path / "seamed.obj"), scheme="loop", levels=2, creases=[(0, 1, 9.0)], corners=[(0, 9.0)])
+    assert np.array_equal(sharp.triangles, own.vertices[own.faces])
+    with pytest.raises(ValueError, match="vertex 12"):
+        batten.refine_mesh(given, scheme="loop", corners=[(12, 9.0)])
+
+
+def test_vertices_that_only_touch_stay_apart(trimesh):
+    box = trimesh.creation.box()
+    both = trimesh.util.concatenate([box, box.copy().apply_translation([1, 1, 0])])
+    both.visual = trimesh.visual.TextureVisuals(uv=both.vertices[:, :2])
+    assert len(both.vertices) == 16 and len(batten.refine_mesh(both, levels=1).vertices) == 52
+
+
 def test_scenes_of_trimesh(trimesh):
     scene = trimesh.Scene()
     turn = trimesh.transformations.rotation_matrix(0.3, [0, 0, 1], [1, 2, 3])
