@@ -50,7 +50,7 @@ class BattenError(Exception):
     option : str or None
         The argument at fault.
     remedy : str or None
-        The argument that leads out.
+        The argument that leads out, or the method, as in ``"Mesh.repair"``.
     """
 
     status: str = ""
@@ -119,6 +119,8 @@ _ERRORS: dict[int, type[BattenError]] = {
     lib.BAT_NOT_MANIFOLD: NotManifold,
 }
 _ERROR = ffi.typeof("bat_error *")
+#: Methods in the place of options that a function has not.
+_METHODS = {"repair": "Mesh.repair"}
 NO_INDEX = int(ffi.cast("size_t", -1))
 
 
@@ -134,15 +136,17 @@ def call(function: Callable[..., int], *arguments: Any) -> None:
     text, option, remedy, effect = (
         ffi.string(part).decode(errors="replace") for part in (error.text, error.option, error.remedy, error.remedy_effect)
     )
-    text = _argument(option) + text[len(option) :]
+    text, remedy = _argument(option) + text[len(option) :], _argument(remedy)
+    method = _METHODS.get(remedy)
+    method = None if method and any(remedy in _known(argument) for argument in arguments) else method
     if remedy:
-        text += f"; {_argument(remedy)}= {effect}"
+        text += f"; Mesh.of(mesh).{remedy}() {effect}" if method else f"; {remedy}= {effect}"
     curve = None if error.curve == NO_INDEX else int(error.curve)
     exception = _ERRORS.get(status, BattenError)(text if curve is None else f"curve {curve}: {text}")
     exception.status, exception.curve = ffi.string(lib.bat_status_name(status)).decode(), curve
     exception.index = None if error.index == NO_INDEX else error.index
     exception.line = error.line or None
-    exception.option, exception.remedy = _argument(option) or None, _argument(remedy) or None
+    exception.option, exception.remedy = _argument(option) or None, method or remedy or None
     raise exception
 
 
@@ -154,6 +158,12 @@ def call_named(function: Callable[..., int], name: str, *arguments: Any) -> None
         if text := no_choice(ffi.typeof(arguments[-1]).item.cname.split()[-1], name):
             error.args = (text,)
         raise
+
+
+def _known(argument: Any) -> Any:
+    """The names of options in an argument of a function of the library."""
+    kind = ffi.typeof(argument).cname if isinstance(argument, ffi.CData) else ""
+    return fields(kind.removesuffix(" *").removeprefix("struct ")) if kind.endswith("_options *") else ()
 
 
 def _argument(field: str) -> str:

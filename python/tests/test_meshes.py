@@ -72,6 +72,20 @@ def test_repair_and_weld(tetrahedron):
         assert len(doubled.repair().faces) == 4
 
 
+def test_what_no_manifold_is_told_works(tetrahedron, tmp_path):
+    doubled = batten.Mesh(tetrahedron.vertices, np.vstack([tetrahedron.faces, tetrahedron.faces[:1]]))
+    for call in (batten.refine_mesh, lambda mesh: batten.decimate(mesh, vertices=4), batten.Mesh.normals):
+        with pytest.raises(batten.NotManifold, match=r"; Mesh.of\(mesh\).repair\(\) cuts the mesh there") as caught:
+            call(doubled)
+        assert caught.value.remedy == "Mesh.repair"
+    with pytest.warns(batten.BattenWarning):
+        assert len(batten.refine_mesh(batten.Mesh.of(doubled).repair(), levels=1).faces) == 16
+    (tmp_path / "repeated.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n")
+    with pytest.raises(batten.BattenError, match="; repair= ") as caught:
+        batten.Mesh.read(tmp_path / "repeated.obj", strict=True)
+    assert caught.value.remedy == "repair"
+
+
 def test_pickles_and_pictures(tetrahedron):
     again = pickle.loads(pickle.dumps(tetrahedron))
     assert np.array_equal(again.vertices, tetrahedron.vertices)
