@@ -16,6 +16,7 @@ from pathlib import Path
 
 HEAD = '''"""{text}"""
 
+import datetime
 import os
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -292,7 +293,7 @@ def main():
     dask = writer.trees["dask"]
     kept = [node for node in dask.body if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")]
     version = ast.parse("__all__ = " + repr(exported(dask))).body
-    more = "from batten import Floats, Progress, Motion, Report, Space\n"
+    more = "from batten import Floats, Progress, Motion, Report, Space, Times\n"
     write(out / "dask.pyi", ast.get_docstring(dask), more, version + [writer.function(node, node.name) for node in kept])
     lines = ['"""Signatures and docstrings of functions whose options are those of structs. Written by signatures.py."""',
              "", "from __future__ import annotations", "", "from math import nan", "", ""]  # fmt: skip

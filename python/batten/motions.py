@@ -6,6 +6,7 @@ import datetime
 import functools
 import os
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
+#: Numbers, dates or durations, one or several. Those of numpy and pandas are arrays to checkers of types.
+Times = ArrayLike | datetime.date | datetime.timedelta | Sequence[datetime.date] | Sequence[datetime.timedelta]
 
 #: The largest distance of a rounded point from its space.
 _FAR = 0.05
@@ -65,8 +68,8 @@ class Motion:
     poses: Any
 
     @takes("bat_motion_spline_options")
-    def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
-                 velocities: ArrayLike | None = None, gyro: tuple[ArrayLike, ...] | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
+    def __init__(self, times: Times, poses: Any, *, space: Space | str | None = None,
+                 velocities: ArrayLike | None = None, gyro: tuple[Times, ...] | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
                  **settings: Any) -> None:
         closed = flag(closed, "closed")
         self._arguments = (times, poses), dict(space=space, velocities=velocities, gyro=gyro, project=project, closed=closed,
@@ -122,7 +125,7 @@ class Motion:
             given = given / np.timedelta64(1, "s")
         return array(given, "times", None)
 
-    def _at(self, times: ArrayLike, which: int) -> Floats:
+    def _at(self, times: Times, which: int) -> Floats:
         moments = self._seconds(times)
         widths = [self.space.point_dim, self.space.tangent_dim, self.space.tangent_dim]
         made = [np.empty((*moments.shape, width)) for width in widths]
@@ -130,7 +133,7 @@ class Motion:
         call(lib.bat_motion_spline_sample, self._spline, pointer(moments), moments.size, *wanted)
         return made[which]
 
-    def __call__(self, times: ArrayLike) -> Any:
+    def __call__(self, times: Times) -> Any:
         """The poses at times, in the form of those that the motion was made of."""
         if isinstance(times, float):  # without what arrays cost
             pose, is_rotation = np.empty(self.space.point_dim), self._form == "Rotation"
@@ -138,11 +141,11 @@ class Motion:
             return _rotation(pose) if is_rotation else _form(pose, self._form)
         return _form(self._at(times, 0), self._form)
 
-    def velocity(self, times: ArrayLike) -> Floats:
+    def velocity(self, times: Times) -> Floats:
         """Velocities: of rotations angular ones in the body's frame; of rigid motions translation, then rotation."""
         return self._at(times, 1)
 
-    def acceleration(self, times: ArrayLike) -> Floats:
+    def acceleration(self, times: Times) -> Floats:
         """Accelerations, the covariant derivatives of the velocities."""
         return self._at(times, 2)
 
@@ -193,7 +196,7 @@ class Motion:
         """The standard deviations of the smoothed poses, for each number of a velocity."""
         return self._key_rows(lib.bat_motion_spline_keys(self._spline).uncertainties, self.space.tangent_dim)
 
-    def uncertainty(self, times: ArrayLike) -> Floats:
+    def uncertainty(self, times: Times) -> Floats:
         """The standard deviations of a smoothed motion at times, for each number of a velocity."""
         moments = self._seconds(times)
         made = np.empty((*moments.shape, self.space.tangent_dim))

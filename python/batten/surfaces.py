@@ -229,7 +229,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Litera
                 corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
                 **settings: Any) -> Surface: ...
 @overload
-def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: None = None, boundary: int = 0,
+def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool | None = None, boundary: int = 0,
                 corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
                 **settings: Any) -> Surface | Any: ...
 @takes("bat_surface_reconstruct_options")

@@ -1,5 +1,7 @@
 """What a user writes. The tests check it with `mypy --strict` and pyright, and that what comes out has the types it should."""
 
+import datetime
+
 import numpy as np
 
 import batten
@@ -27,11 +29,19 @@ kept: batten.Decimation = batten.decimate(vertices, faces, ratio=0.5)
 distances = batten.measure(again, (vertices, faces), samples=100)
 motion = batten.Motion([0, 1, 2], [[0.0], [1.0], [8.0]], ends="natural", sigma="auto")
 speed: float = float(motion.velocity(0.5)[0])
+dates = [datetime.datetime(2026, 1, 1), datetime.datetime(2026, 1, 2), datetime.datetime(2026, 1, 4)]
+dated = batten.Motion(dates, [[0.0], [1.0], [8.0]])
+pose = dated(dates[1])
+speeds = dated.velocity(dates), dated.acceleration(np.array(dates, "M8[us]")), dated.uncertainty(np.datetime64("2026-01-03"))
+steps = [date - dates[0] for date in dates]
+timed = batten.Motion(steps, [[0.0], [1.0], [8.0]])(steps[1]), batten.Motion(np.array(steps, "m8[s]"), [[0.0], [1.0], [8.0]])(steps)
 again.write("mesh.obj", format="obj", threads=2)
 read: batten.Mesh = batten.Mesh.read("mesh.obj", repair=True)
 png: bytes = read.picture(width=300, up="z")
 x, y = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, 12), np.linspace(0, 1, 12)))
 surface = batten.fit_surface(np.stack([x, y, x * y], axis=1), tolerance=0.01, degree=[3, 3])
+wide: bool = bool(len(surface.points) > 1000)
+either = batten.fit_surface(np.stack([x, y, x * y], axis=1), shell=wide)
 step: bytes = surface.to_step()
 try:
     batten.refine(square, levels=70)
