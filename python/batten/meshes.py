@@ -480,7 +480,8 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     limit_normals : bool
         With ``limit=True`` and Loop's or Catmull and Clark's scheme at the end: give the mesh `vertex_normals`, those of the limit surface.
     channels, creases, corners
-        As of :class:`Mesh`, in the place of those that the mesh has.
+        As of :class:`Mesh`, in the place of those that the mesh has. Creases and corners go with a scene of one mesh, channels
+        not with trimesh.
     progress : bool or callable
         As of :func:`refine`.
     **settings
@@ -503,9 +504,15 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     >>> batten.refine_mesh(cube, quads, levels=2)
     <PolygonMesh of 98 vertices, 96 faces>
     """
+    if channels is not None and is_trimesh(mesh):
+        raise TypeError("channels: meshes of trimesh carry vertex_attributes in their place")
     if is_scene(mesh):
         parts = dict(limit_normals=limit_normals, progress=progress, **settings)
-        return each(mesh, lambda part: refine_mesh(part, **parts))
+        several = sum(hasattr(part, "faces") for part in mesh.geometry.values()) > 1
+        for name, value in (("creases", creases), ("corners", corners)):
+            if value is not None and several:
+                raise TypeError(f"{name}: a scene of one mesh is needed, whose vertices they number; refine the meshes of scene.geometry one by one")
+        return each(mesh, lambda part: refine_mesh(part, creases=creases, corners=corners, **parts))
     theirs = Parts(mesh) if is_trimesh(mesh) else None
     coarse = _coarse(mesh if theirs is None else theirs.mesh(Mesh, by_face=True), faces, settings.get("scheme"))
     for name, part in (("creases", creases), ("corners", corners), ("channels", channels)):

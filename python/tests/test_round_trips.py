@@ -172,6 +172,20 @@ def test_scenes_of_trimesh(trimesh):
     assert len(scene.geometry["ball"].faces) == 320  # not changed
 
 
+def test_creases_of_scenes_of_trimesh(trimesh):
+    mesh = trimesh.creation.icosphere(1)
+    sharp = dict(creases=[(*mesh.edges[0], 9.0)], corners=[(mesh.edges[0, 0], 9.0)], scheme="loop", levels=2)
+    alone, round = batten.refine_mesh(mesh, **sharp), batten.refine_mesh(mesh, scheme="loop", levels=2)
+    inside = batten.refine_mesh(trimesh.Scene({"mesh": mesh, "cloud": trimesh.PointCloud([[0, 0, 0], [1, 1, 1]])}), **sharp).geometry["mesh"]
+    assert np.array_equal(inside.vertices, alone.vertices) and not np.array_equal(inside.vertices, round.vertices)
+    for name in ("creases", "corners"):
+        with pytest.raises(TypeError, match=f"{name}: a scene of one mesh"):
+            batten.refine_mesh(trimesh.Scene([mesh, mesh.copy()]), **{name: sharp[name]})
+    for given in (mesh, trimesh.Scene([mesh])):
+        with pytest.raises(TypeError, match="channels: .* vertex_attributes"):
+            batten.refine_mesh(given, channels=mesh.vertices)
+
+
 def test_a_schemes_polygons_and_primitives_of_trimesh(trimesh):
     made = batten.refine_mesh(ball(trimesh), scheme="catmull-clark", levels=1)
     assert isinstance(made, trimesh.Trimesh) and made.face_attributes["part"].max() == 319
