@@ -32,7 +32,7 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
 
     Parameters
     ----------
-    geometries : GeoSeries, GeoDataFrame, shapely geometry, or a list or array of them
+    geometries : GeoSeries, GeoDataFrame, shapely geometry, or a list or array of them; or what pandas has of one column of them
         Points, missing and empty geometries come back as they are. Heights (Z) and measures (M) are refined too.
     space : {"sphere", "plane"}, optional
         By default the sphere for a geographic coordinate reference system, whose coordinates are longitudes and latitudes
@@ -59,8 +59,14 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     """
     import shapely
 
-    series = geometries.geometry if hasattr(geometries, "set_geometry") else geometries  # of a GeoDataFrame
-    system = getattr(series, "crs", None)
+    table, column = hasattr(geometries, "columns") and hasattr(geometries, "iloc"), -1
+    series = geometries
+    if table and hasattr(type(geometries), "to_crs"):
+        series = geometries.geometry
+    elif table:
+        column = _column(geometries)
+        series = geometries.iloc[:, column]
+    system = getattr(getattr(series, "array", series), "crs", None)
     given = np.atleast_1d(np.asarray(series, dtype=object))
     if given.ndim != 1 or not (shapely.is_geometry(given) | shapely.is_missing(given)).all():
         raise TypeError("geometries of shapely are needed")
@@ -81,13 +87,34 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
             notes.append(f"{done.given_crossing} pairs of given edges cross or touch, and may do so in the result")
     for note in notes:
         warnings.warn(note, BattenWarning, stacklevel=2)
-    if hasattr(series, "geom_type") and hasattr(series, "index"):  # a GeoSeries
-        result = type(series)(made, index=series.index, crs=system, name=series.name)
+    if hasattr(series, "index") and hasattr(series, "array"):  # of pandas or geopandas
+        values = type(series.array)(made, crs=system) if hasattr(series.array, "geom_type") else made
+        result = type(series)(values, index=series.index, name=series.name)
         result.attrs = dict(series.attrs)
-        return result if series is geometries else geometries.set_geometry(result)
+        if column < 0:
+            return geometries.set_geometry(result) if table else result
+        whole = geometries.copy()
+        whole.isetitem(column, result)
+        return whole
+    if hasattr(series, "geom_type") and hasattr(series, "crs"):  # a GeometryArray
+        return type(series)(made, crs=system)
     if isinstance(geometries, (list, tuple)):
         return type(geometries)(made.tolist())
     return made[0] if np.ndim(geometries) == 0 else made
+
+
+def _column(table: Any) -> int:
+    """The column of a table of pandas that holds geometries."""
+    import shapely
+
+    found = []
+    for i in range(table.shape[1]):
+        values = np.asarray(table.iloc[:, i], dtype=object)
+        if shapely.is_geometry(values).any() and (shapely.is_geometry(values) | shapely.is_missing(values)).all():
+            found.append(i)
+    if len(found) != 1:
+        raise TypeError(f"a table with one column of geometries is needed, not {len(found)}; geopandas.GeoDataFrame(table, geometry=name) chooses one")
+    return found[0]
 
 
 def space_of(system: Any) -> str:

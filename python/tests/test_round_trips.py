@@ -241,6 +241,28 @@ def test_tables_of_geopandas_in_degrees_and_grads():
     np.testing.assert_allclose(shapely.get_coordinates(other) * 0.9, shapely.get_coordinates(made.geometry), atol=1e-9)
 
 
+def test_geometries_of_pandas_and_arrays_of_geopandas():
+    geopandas, pandas = pytest.importorskip("geopandas"), pytest.importorskip("pandas")
+    shapely = pytest.importorskip("shapely")
+    box, point = shapely.box(0, 0, 1, 1), shapely.Point(5, 5)
+    fine = batten.smooth(box, levels=2)
+    table = pandas.DataFrame({"a": [5, 6], "shape": [box, point], "b": ["x", "y"]}, index=[7, 8])
+    made = batten.smooth(table, levels=2)
+    assert type(made) is pandas.DataFrame and made.index.equals(table.index) and made["shape"][7].equals(fine)
+    assert made.drop(columns="shape").equals(table.drop(columns="shape")) and table["shape"][7].equals(box)
+    series = batten.smooth(table["shape"], levels=2)
+    assert type(series) is pandas.Series and series.index.equals(table.index) and series.name == "shape" and series[7].equals(fine)
+    array = geopandas.GeoSeries([box, point], crs=4326).values
+    made = batten.smooth(array, levels=2)
+    assert type(made) is type(array) and made.crs == array.crs and made[1] == point
+    again = batten.smooth(pandas.Series(array, index=[3, 4]), levels=2)
+    assert again.array.crs == array.crs and list(again.index) == [3, 4] and again.array[0].equals(made[0])
+    with pytest.raises(TypeError, match="one column of geometries is needed, not 2"):
+        batten.smooth(table.assign(other=table["shape"]))
+    with pytest.raises(TypeError, match="one column of geometries is needed, not 0"):
+        batten.smooth(table[["a", "b"]])
+
+
 def test_rings_that_repeat_their_first_point():
     ring = np.array([[0.0, 0], [2, 0], [2, 1], [0, 1], [0, 0]])
     made = batten.refine(ring, closed=True, channels=np.arange(5.0)[:, None])
