@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 import struct
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 
-from batten._core import (BattenWarning, Progress, Report, Unsupported, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenError, BattenWarning, Progress, Report, Unsupported, call, ffi, lib, options, pointer, report, shown,
                           take, takes)  # fmt: skip
 
 #: The kinds of geometries with lines, by shapely's numbers: all but points.
@@ -77,12 +80,14 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
         lines = given[chosen]
         rings = shapely.get_type_id(lines) == 2
         lines[rings] = shapely.polygons(lines[rings])
-        with shown(progress, "smoothing"):
+        rows = np.flatnonzero(chosen)
+        with shown(progress, "smoothing"), _numbered(rows):
             lines, done = _every_coordinate(lines, space or space_of(system), degrees_of(system) if space != "plane" else 1.0, settings, notes)
         lines[rings] = shapely.get_exterior_ring(lines[rings])
         made[chosen] = lines
         if details is not None:
             details.update(done)
+        notes = [_of_rows(note, rows) for note in notes]
         if done.given_crossing:
             notes.append(f"{done.given_crossing} pairs of given edges cross or touch, and may do so in the result")
     for note in notes:
@@ -115,6 +120,22 @@ def _column(table: Any) -> int:
     if len(found) != 1:
         raise TypeError(f"a table with one column of geometries is needed, not {len(found)}; geopandas.GeoDataFrame(table, geometry=name) chooses one")
     return found[0]
+
+
+def _of_rows(text: str, rows: Any) -> str:
+    """A message with the numbers of the given geometries, where it has those of the lines among them."""
+    return re.sub(r"\b(?:feature|geometry) (\d+)", lambda found: f"geometry {rows[int(found[1])]}", text)
+
+
+@contextmanager
+def _numbered(rows: Any) -> Iterator[None]:
+    try:
+        yield
+    except ValueError as error:  # of the library, too
+        error.args = tuple(_of_rows(text, rows) if isinstance(text, str) else text for text in error.args)
+        if isinstance(error, BattenError) and error.curve is not None:
+            error.curve = int(rows[error.curve])
+        raise
 
 
 def space_of(system: Any) -> str:
@@ -207,7 +228,14 @@ def _refine(given: Any, space: str, settings: dict[str, Any], notes: list[str]) 
     how.report = found
     reading = options("bat_curve_read_options", {"format": "geojson", "space": space})
     call(lib.bat_curve_read_memory, whole, len(whole), reading, coarse)
-    call(lib.bat_curve_map_refine, coarse, how, fine)
+    try:
+        call(lib.bat_curve_map_refine, coarse, how, fine)
+    except BattenError as error:
+        if error.curve is not None:
+            features = _features(_arrays(coarse, -1)[4], _curve_counts(given))
+            curve, error.curve = error.curve, None if features is None else int(features[error.curve])
+            error.args = (error.args[0].replace(f"curve {curve}", "a curve" if features is None else f"feature {error.curve}", 1),)
+        raise
     while note := lib.bat_curve_set_note(coarse, len(notes)):
         notes.append(ffi.string(note).decode())
     made, left = _assemble(given, fine, space, how.decimals)
@@ -227,18 +255,12 @@ def _assemble(given: Any, fine: Any, space: str, decimals: int) -> tuple[Any, An
     import shapely
 
     count = fine.count
-    points, offsets = np.empty((lib.batten_set_points(fine), 2)), np.empty(count + 1, np.int64)
-    closed, polygon, feature = np.empty(count, np.bool_), np.empty(count, np.int64), np.empty(count, np.int64)
-    lib.batten_set_arrays(fine, decimals if space == "sphere" else -1, pointer(points), pointer(offsets, "int64_t[]"), pointer(closed, "bool[]"),
-                          pointer(polygon, "int64_t[]"), pointer(feature, "int64_t[]"))  # fmt: skip
-    points = points[: offsets[-1]]
-    parts, owner = shapely.get_parts(given, return_index=True)
-    kinds, part_kinds = shapely.get_type_id(given), shapely.get_type_id(parts)
-    expected = np.bincount(owner, np.where(part_kinds == 3, shapely.get_num_interior_rings(parts) + 1, 1), len(given))
-    if (feature < 0).any():
-        if expected.sum() != count:
-            return given.copy(), np.ones(len(given), np.bool_)
-        feature = np.repeat(np.arange(len(given)), expected.astype(np.int64))
+    points, offsets, closed, polygon, feature = _arrays(fine, decimals if space == "sphere" else -1)
+    points = points[: offsets[-1], :2]
+    kinds, expected = shapely.get_type_id(given), _curve_counts(given)
+    feature = _features(feature, expected)
+    if feature is None:
+        return given.copy(), np.ones(len(given), np.bool_)
     left = (np.bincount(feature, minlength=len(given)) != expected) | (kinds == 7) | shapely.has_z(given)
     points = np.insert(points, offsets[1:][closed], points[offsets[:-1][closed]], axis=0)
     offsets = offsets + np.concatenate([[0], np.cumsum(closed)])
@@ -263,6 +285,32 @@ def _assemble(given: Any, fine: Any, space: str, decimals: int) -> tuple[Any, An
                 pieces, of = shapely.polygons(pieces, indices=part), of[np.diff(part, prepend=-1) > 0]
             made[np.unique(of)] = pieces if kind == single else join(pieces, indices=_renumbered(of))
     return made, left
+
+
+def _curve_counts(given: Any) -> Any:
+    """The numbers of lines and rings of geometries."""
+    import shapely
+
+    parts, owner = shapely.get_parts(given, return_index=True)
+    return np.bincount(owner, np.where(shapely.get_type_id(parts) == 3, shapely.get_num_interior_rings(parts) + 1, 1), len(given))
+
+
+def _features(feature: Any, expected: Any) -> Any:
+    """The geometry of each curve; None where it is not known, since some are no polygons and some were dropped or joined."""
+    if (feature >= 0).all():
+        return feature
+    return np.repeat(np.arange(len(expected)), expected.astype(np.int64)) if expected.sum() == len(feature) else None
+
+
+def _arrays(curves: Any, decimals: int) -> tuple[Any, Any, Any, Any, Any]:
+    """Of a set of curves: points, in degrees with so many decimals unless these are negative; offsets; which are closed; their
+    polygons and features, -1 for none."""
+    count, width = curves.count, 2 if decimals >= 0 else curves.space.point_dim
+    points, offsets = np.empty((lib.batten_set_points(curves), width)), np.empty(count + 1, np.int64)
+    closed, polygon, feature = np.empty(count, np.bool_), np.empty(count, np.int64), np.empty(count, np.int64)
+    lib.batten_set_arrays(curves, decimals, pointer(points), pointer(offsets, "int64_t[]"), pointer(closed, "bool[]"),
+                          pointer(polygon, "int64_t[]"), pointer(feature, "int64_t[]"))  # fmt: skip
+    return points, offsets, closed, polygon, feature
 
 
 def _renumbered(indices: Any) -> Any:

@@ -101,3 +101,21 @@ def test_bad_parts_do_not_spoil_a_map():
     parts = shapely.from_wkt("MULTIPOLYGON (EMPTY, ((0 0, 4 0, 4 4, 0 4, 0 0)))")
     with pytest.warns(batten.BattenWarning, match="dropped 1 line or ring with too few different points"):
         assert batten.smooth(parts, levels=1).geoms[0].equals(batten.smooth(parts.geoms[1], levels=1))
+
+
+def test_messages_number_the_given_geometries():
+    first = [shapely.Point(0, 0), None, shapely.Polygon(), shapely.box(0, 0, 1, 1)]
+    for bad, space, error, text in [
+            (shapely.box(0, 80, 1, 100), "sphere", batten.BadFile, "geometry 4, ring 0, position 1: a latitude"),
+            (shapely.LineString([(0, 0), (np.inf, 1)]), "plane", ValueError, "geometry 4: coordinates that are finite"),
+            (shapely.LineString([(5, 0), (1e300, 0), (1e308, 1e308)]), "plane", batten.InvalidPoint, "geometry 4: the open curve")]:  # fmt: skip
+        with pytest.raises(error, match=text) as caught:
+            batten.smooth([*first, bad], space=space)
+        assert getattr(caught.value, "curve", None) in (None, 4)
+    rings = shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 2, 2))
+    with pytest.raises(batten.CutLocus, match="geometry 2: point 1 is antipodal") as caught:
+        batten.smooth([first[0], rings, shapely.LineString([(10, 0), (190, 0), (10, 1)])], space="sphere", edges="geodesic")
+    assert caught.value.curve == 2
+    with pytest.warns(batten.BattenWarning, match="the first in geometry 4") as told:
+        batten.smooth([*first, shapely.LineString([(7, 7), (7, 7)])], levels=1)
+    assert not any("feature" in str(note.message) for note in told)
