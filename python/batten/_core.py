@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 _waiting = {"GOMP_SPINCOUNT": "1000", "KMP_BLOCKTIME": "0"}
 _waiting = {} if {"OMP_WAIT_POLICY", *_waiting} & os.environ.keys() else _waiting
 os.environ.update(_waiting)
-from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice, parser,
+from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice as no_choice, parser,
                              show_signatures as show_signatures, takes as takes, unknown)  # fmt: skip  # noqa: E402
 
 for _name in _waiting:
@@ -323,6 +323,12 @@ def options(kind: str, given: dict[str, Any]) -> Any:
     if keep:
         kept[fresh] = keep
     return fresh
+
+
+def check_options(kind: str, given: dict[str, Any]) -> None:
+    """Refuse options that are unknown or out of their ranges."""
+    table = ffi.new("bat_options_table *", getattr(lib, f"{kind.removesuffix('_options')}_fields"))
+    call(lib.bat_options_check, table, options(kind, given))
 
 
 kept: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()

@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 
-from batten._core import (BattenError, BattenWarning, Progress, Report, Unsupported, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenError, BattenWarning, InvalidArgument, Progress, Report, Unsupported, call, check_options, ffi, lib, no_choice, options, pointer, report, shown,
                           take, takes)  # fmt: skip
 
 #: The kinds of geometries with lines, by shapely's numbers: all but points.
@@ -73,6 +73,10 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     given = np.atleast_1d(np.asarray(series, dtype=object))
     if given.ndim != 1 or not (shapely.is_geometry(given) | shapely.is_missing(given)).all():
         raise TypeError("geometries of shapely are needed")
+    settings = {"scheme": "learned", **settings} if "fairness" in settings else settings
+    check_options("bat_curve_map_refine_options", settings)
+    if isinstance(space, str) and (text := no_choice("bat_space", space)):
+        raise InvalidArgument(f"space: {text}")
     chosen = np.isin(shapely.get_type_id(given), _LINES) & ~shapely.is_empty(given)
     notes: list[str] = []
     made = given.copy()
@@ -223,7 +227,6 @@ def _refine(given: Any, space: str, settings: dict[str, Any], notes: list[str]) 
     free = lib.bat_curve_set_free
     coarse, fine = ffi.gc(ffi.new("bat_curve_set *"), free), ffi.gc(ffi.new("bat_curve_set *"), free)
     found = ffi.new("bat_curve_map_refine_report *")
-    settings = {"scheme": "learned", **settings} if "fairness" in settings else settings
     how = options("bat_curve_map_refine_options", settings)
     how.report = found
     reading = options("bat_curve_read_options", {"format": "geojson", "space": space})

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, drawn, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, check_options, drawn, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
                           take, takes, written)  # fmt: skip
 from batten._trimesh import UNNAMED, Parts, each, is_scene, is_trimesh
 from batten.curves import axes_of, equal
@@ -507,6 +507,7 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     if channels is not None and is_trimesh(mesh):
         raise TypeError("channels: meshes of trimesh carry vertex_attributes in their place")
     if is_scene(mesh):
+        check_options("bat_mesh_refine_options", settings)
         parts = dict(limit_normals=limit_normals, progress=progress, **settings)
         several = sum(hasattr(part, "faces") for part in mesh.geometry.values()) > 1
         for name, value in (("creases", creases), ("corners", corners)):
@@ -680,6 +681,7 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     if not {"vertices", "faces", "ratio", "tolerance"} & set(settings):
         raise TypeError("decimate needs one of vertices, faces, ratio and tolerance")
     if is_scene(mesh):
+        check_options("bat_mesh_decimate_options", settings)
         found = {name: decimate(part, map=map, progress=progress, **settings) for name, part in mesh.geometry.items() if hasattr(part, "faces")}
         parts = iter(found.values())
         maps = {name: part.map for name, part in found.items()} if map else None

@@ -187,6 +187,29 @@ def test_messages_name_place_and_way_out():
         batten.refine_mesh(POINTS, FACES + 5)
 
 
+def test_options_are_checked_where_there_is_nothing_to_do():
+    shapely = pytest.importorskip("shapely")
+    for given in ([], [None], shapely.Point(0, 0), [shapely.Polygon()]):
+        with pytest.raises(TypeError, match="unknown option 'tolerence'; did you mean tolerance"):
+            batten.smooth(given, tolerence=1)
+        with pytest.raises(batten.InvalidArgument, match="tolerance"):
+            batten.smooth(given, tolerance=-1.0)
+        for name, text in (("spere", "did you mean sphere"), ("x", "there are disk")):
+            with pytest.raises(batten.InvalidArgument, match=f"space: there is no space '{name}'; {text}"):
+                batten.smooth(given, space=name)
+        assert isinstance(batten.smooth(given, fairness=0.5, levels=2), type(given))
+
+
+def test_options_are_checked_with_scenes_without_meshes():
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene([trimesh.PointCloud([[0, 0, 0], [1, 1, 1]])])
+    with pytest.raises(TypeError, match="unknown option 'level'"):
+        batten.refine_mesh(scene, level=1)
+    for call in (batten.refine_mesh, batten.decimate):
+        with pytest.raises(batten.InvalidArgument, match="tolerance"):
+            call(scene, tolerance=-1.0)
+
+
 MASKED = np.ma.MaskedArray(POINTS, mask=[[False] * 3] * 3 + [[True] * 3])
 
 
