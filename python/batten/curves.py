@@ -308,8 +308,9 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
             "space": where, "closed": bool(closed),
             "channels": None if values is None else take(fine.channels, (count, fine.channel_count)),
             "corners": None if fine.corners == ffi.NULL else take(fine.corners, (count,), np.bool_)})  # fmt: skip
-    if type(points) is not np.ndarray and type(points).__module__.split(".")[0] == "xarray":
-        result = type(points)(result, dims=points.dims, coords={points.dims[1]: points[points.dims[1]]}, attrs=points.attrs, name=points.name)
+    if ends is None and type(points) is not np.ndarray and type(points).__module__.split(".")[0] == "xarray":
+        bare = points.drop_vars([name for name, values in points.coords.items() if points.dims[0] in values.dims])
+        result = type(points)(result, dims=points.dims, coords=bare.isel({points.dims[0]: 0}).coords, attrs=points.attrs, name=points.name)
     if done.given_crossing or done.left_crossing:
         warnings.warn(f"{done.given_crossing} given and {done.left_crossing} refined curves cross themselves",
                       BattenWarning, stacklevel=2)  # fmt: skip

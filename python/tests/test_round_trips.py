@@ -317,3 +317,15 @@ def test_arrays_of_xarray():
     made = batten.refine(given, levels=2)
     assert isinstance(made, xarray.DataArray) and made.dims == given.dims and made.name == "track" and made.attrs == given.attrs
     assert list(made.axis.values) == ["x", "y"] and np.array_equal(made.values, batten.refine(given.values, levels=2))
+
+
+def test_coordinates_of_xarray():
+    xarray = pytest.importorskip("xarray")
+    given = xarray.DataArray([[0.0, 0], [1, 1], [2, 0]], dims=("point", "axis"), coords={
+        "axis": ["x", "y"], "unit": ("axis", ["m", "km"]), "run": 7, "point": [3, 4, 5], "both": (("point", "axis"), np.ones((3, 2)))})  # fmt: skip
+    made = batten.refine(given, levels=2)
+    assert set(made.coords) == {"axis", "unit", "run"} and made.run == 7 and list(made.unit.values) == ["m", "km"]
+    bare = batten.refine(xarray.DataArray(given.values), levels=2)
+    assert not bare.coords and np.array_equal(bare.values, made.values)
+    several = batten.refine(given, [0, 3], levels=2)
+    assert isinstance(several, batten.Curves) and np.array_equal(several[0], made.values)
