@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from batten._core import Report, ffi, lib
+from batten._core import BattenWarning, Report, ffi, lib
 
 if TYPE_CHECKING:
     from batten.meshes import Mesh, MeshMap
@@ -65,11 +66,15 @@ class Parts:
         self.smooth: dict[tuple[str, str], Any] = {}
         self.torn: dict[tuple[str, str], Any] = {}  # has several values where vertices are joined: linear in each face before
         self.nearest: dict[tuple[str, str], Any] = {}
+        self.rough: list[str] = []  # of the nearest ones: numbers that are not finite
         self.faces: dict[tuple[str, str], Any] = {}
         for key, values in vertices.items():
             array = np.asarray(values)
             if len(array) == len(given.vertices):
                 smooth = array.dtype.kind == "f" or "color" in key[1] and array.dtype == np.uint8
+                if smooth and not np.isfinite(array).all():
+                    self.rough.append(key[1])
+                smooth = smooth and array.size > 0 and key[1] not in self.rough
                 torn = smooth and self.joined is not None and not np.array_equal(array[self.first][self.joined], array)
                 (self.torn if torn else self.smooth if smooth else self.nearest)[key] = array
         for key, values in faces.items():
@@ -136,6 +141,8 @@ class Parts:
             pairs = np.stack([triangles.ravel(), rich.texture_faces.ravel()], axis=1)  # type: ignore[union-attr]
             pairs, corners, split = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
             at, triangles = pairs[:, 0], split.reshape(triangles.shape)
+        for name in self.rough:
+            warnings.warn(f"attribute '{name}' has values that are not finite: each vertex gets that of the nearest one", BattenWarning, stacklevel=4)
         values: dict[tuple[str, str], Any] = {}
         begin = 0
         for key, given in self.smooth.items():

@@ -57,6 +57,18 @@ def test_attributes_and_metadata_of_trimesh(trimesh, way):
 
 
 @pytest.mark.parametrize("way", WAYS)
+def test_attributes_of_trimesh_that_nothing_interpolates(trimesh, way):
+    given = ball(trimesh)
+    given.vertex_attributes.update(hot=np.where(given.vertices[:, 0] > 0, np.nan, 1.0), none=np.empty((len(given.vertices), 0)))
+    with pytest.warns(batten.BattenWarning, match="attribute 'hot' has values that are not finite") as told:
+        made = way(given)
+    assert len(told) == 1 and made.vertex_attributes["none"].shape == (len(made.vertices), 0)
+    near = made.vertex_attributes["number"]
+    np.testing.assert_array_equal(made.vertex_attributes["hot"], given.vertex_attributes["hot"][near])
+    assert np.isnan(made.vertex_attributes["hot"]).any() and not np.isnan(made.vertex_attributes["hot"]).all()
+
+
+@pytest.mark.parametrize("way", WAYS)
 def test_colours_of_trimesh(trimesh, way):
     given = trimesh.creation.icosphere(2)
     colours = np.clip(128 + 100 * given.vertices[:, [0, 1, 2, 0]], 0, 255).astype(np.uint8)
