@@ -74,11 +74,12 @@ class Motion:
         closed = flag(closed, "closed")
         self._arguments = (times, poses), dict(space=space, velocities=velocities, gyro=gyro, project=project, closed=closed,
                                                period=period, **settings)
-        self._origin: Any = None
+        self._origin: Any = None  # the first date; False where times are no dates
         keys, self._form, implied = _points(poses, project)
         self.space = space_of(implied if space is None else space, keys.shape[1])
         keys = _onto(self.space, keys, project)
         moments = self._seconds(times)
+        self._origin = False if self._origin is None else self._origin
         if moments.shape != (len(keys),):
             raise ValueError(f"times: {len(keys)} numbers are needed, one for each pose, not an array of {moments.shape}")
         given: Any = velocities
@@ -118,6 +119,8 @@ class Motion:
         given = unmasked(times, "times")
         if given.dtype == object and given.size:
             given = np.array([_moment(time) for time in given.flat]).reshape(given.shape)
+        if given.dtype.kind == "M" and self._origin is False:
+            raise TypeError("times: numbers or durations are needed, as the motion was made with, not dates")
         if given.dtype.kind == "M":
             self._origin = given.flat[0] if self._origin is None and given.size else self._origin
             given = given - self._origin

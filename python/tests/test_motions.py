@@ -68,6 +68,21 @@ def test_times_of_pandas():
     assert motion(np.array(["2026-01-01T00:00:01"], "M8[s]")).ravel() == pytest.approx([1])
 
 
+def test_dates_need_a_motion_with_dates():
+    dates = np.array(["2026-01-01", "2026-01-02", "2026-01-03"], "M8[s]")
+    for times in ([0, 1, 2], dates - dates[0]):
+        motion = batten.Motion(times, [[0.0], [1.0], [3.0]])
+        for call in (motion, motion.velocity, motion.acceleration, motion.uncertainty):
+            for date in (dates[1], dates, dates[1].item()):
+                with pytest.raises(TypeError, match="times: numbers or durations are needed"):
+                    call(date)
+        assert motion(np.timedelta64(1, "s")).shape == (1,)
+    turns = Rotation.from_rotvec([[0, 0, 0], [0, 0, 1], [0, 0, 2]])
+    with pytest.raises(TypeError, match="times: numbers or durations"):
+        batten.Motion([0, 1, 2], turns, gyro=(dates, np.zeros((3, 3))))
+    assert pickle.loads(pickle.dumps(batten.Motion(dates, turns)))(dates[1]).magnitude() == pytest.approx(1)
+
+
 def test_closed_motions_and_extrapolation():
     circle = batten.Motion([0, 1, 2, 3], [[1.0, 0], [0, 1], [-1, 0], [0, -1]], closed=True, period=4)
     np.testing.assert_allclose(circle(0.5), circle(4.5), atol=1e-15)
