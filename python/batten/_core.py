@@ -344,7 +344,20 @@ def unmasked(value: Any, name: str) -> NDArray[Any]:
     """An array without masked values, whose numbers are not meant."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise ValueError(f"{name}: values are masked; drop or fill them first")
-    return np.asarray(value)
+    given = np.asarray(value)
+    return _filled(value, given, name) if given.dtype == object and hasattr(value, "to_numpy") else given
+
+
+def _filled(value: Any, given: NDArray[Any], name: str) -> NDArray[Any]:
+    """The numbers of nullable columns of pandas, none of which may be missing."""
+    table = hasattr(value, "dtypes") and hasattr(value, "columns")
+    if not all(getattr(kind, "kind", "O") in "fiub" for kind in (value.dtypes if table else [getattr(value, "dtype", None)])):
+        return given
+    bad = value.isna()
+    if np.asarray(bad).any():
+        where = f" in column {', '.join(repr(column) for column in value.columns[bad.any()])}" if table else ""
+        raise ValueError(f"{name}: values are missing{where}; drop or fill them first")
+    return np.asarray(value.to_numpy(dtype=float))
 
 
 def array(value: Any, name: str, columns: int | None, dtype: Any = np.float64) -> NDArray[Any]:

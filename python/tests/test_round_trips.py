@@ -341,3 +341,22 @@ def test_coordinates_of_xarray():
     assert not bare.coords and np.array_equal(bare.values, made.values)
     several = batten.refine(given, [0, 3], levels=2)
     assert isinstance(several, batten.Curves) and np.array_equal(several[0], made.values)
+
+
+def test_nullable_columns_of_pandas():
+    pandas = pytest.importorskip("pandas")
+    table = pandas.DataFrame({"x": [0, 1, 2, 4], "y": [0, 1, 0.5, 0.25]})
+    nullable = table.convert_dtypes()
+    assert [str(kind) for kind in nullable.dtypes] == ["Int64", "Float64"]
+    made = batten.refine(nullable)
+    assert np.array_equal(made, batten.refine(table.to_numpy()))
+    motion = batten.Motion(nullable["x"], nullable[["y"]])
+    assert np.array_equal(motion(nullable["x"]), batten.Motion(table["x"], table[["y"]])(table["x"]))
+    missing = nullable.copy()
+    missing.iloc[1, 1] = pandas.NA
+    with pytest.raises(ValueError, match="points: values are missing in column 'y'; drop or fill"):
+        batten.refine(missing)
+    with pytest.raises(ValueError, match="times: values are missing; drop or fill|time of point 1 is not finite"):
+        batten.Motion(missing["y"], table[["y"]])
+    with pytest.raises(TypeError, match="points: numbers are needed"):
+        batten.refine(nullable.assign(name="a"))
