@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 _waiting = {"GOMP_SPINCOUNT": "1000", "KMP_BLOCKTIME": "0"}
 _waiting = {} if {"OMP_WAIT_POLICY", *_waiting} & os.environ.keys() else _waiting
 os.environ.update(_waiting)
-from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice as no_choice, parser,
+from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, hint as hint, lib as lib, like as like, no_choice as no_choice, parser,
                              show_signatures as show_signatures, takes as takes, unknown)  # fmt: skip  # noqa: E402
 
 for _name in _waiting:
@@ -148,6 +148,16 @@ def call(function: Callable[..., int], *arguments: Any) -> None:
     exception.line = error.line or None
     exception.option, exception.remedy = _argument(option) or None, method or remedy or None
     raise exception
+
+
+def call_on_file(function: Callable[..., int], path: str | os.PathLike[str], *arguments: Any) -> None:
+    """Call a function that takes the path of a file first. Errors name the file, and the line where there is one."""
+    try:
+        call(function, os.fsencode(path), *arguments)
+    except BattenError as error:
+        if error.option is None:
+            error.args = (f"{os.fsdecode(path)}{f':{error.line}' if error.line else ''}: {error}",)
+        raise
 
 
 def call_named(function: Callable[..., int], name: str, *arguments: Any) -> None:
@@ -509,7 +519,7 @@ def drawn(method: F) -> F:
 def written(function: Callable[..., int], suffix: str, *arguments: Any, path: str | os.PathLike[str] | None = None) -> bytes:
     """What a function of the library writes to a file, as bytes; or written to `path`."""
     if path is not None:
-        call(function, os.fsencode(path), *arguments)
+        call_on_file(function, path, *arguments)
         return b""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / f"batten.{suffix}"

@@ -124,7 +124,7 @@ def show_signatures(table: str, names: dict[str, Any]) -> None:
 def unknown(kind: str, name: str) -> str:
     """A message about a name that is no option of a struct."""
     known = set(fields(kind)) | _beside.get(kind, set()) - {"self"}
-    return f"unknown option '{name}'; {_hint(name, known)}"
+    return f"unknown option '{name}'; {hint(name, known)}"
 
 
 def no_choice(subject: str, name: str) -> str | None:
@@ -134,10 +134,11 @@ def no_choice(subject: str, name: str) -> str | None:
     known, first = names(family), name.partition(":")[0]
     if first in known:
         return None
-    return f"there is no {ffi.string(family.what).decode()} '{name}'; {_hint(first, set(known))}"
+    return f"there is no {ffi.string(family.what).decode()} '{name}'; {hint(first, set(known))}"
 
 
-def _hint(name: str, known: set[str]) -> str:
+def hint(name: str, known: set[str]) -> str:
+    """What a name that is not known may have meant."""
     import difflib
 
     near = difflib.get_close_matches(name, sorted(known), 1, 0.7)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, check_options, drawn, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, call_on_file, check_options, drawn, ffi, hint, kept, lib, options, pointer, report, Rows, set_field, shown,
                           take, takes, written)  # fmt: skip
 from batten._trimesh import UNNAMED, Parts, each, is_scene, is_trimesh
 from batten.curves import axes_of, equal
@@ -73,7 +73,8 @@ class _Faces:
         if self.channel_names is not None and len(self.channel_names) != (0 if self.channels is None else self.channels.shape[1]):
             raise ValueError("channel_names: a text for each channel is needed")
         if rest:
-            raise TypeError(f"unknown part of a mesh: {', '.join(rest)}")
+            name, known = next(iter(rest)), {"channels", "texture", "texture_faces", "creases", "corners", *_REST}
+            raise TypeError(f"unknown part of a mesh: '{name}'; {hint(name, known)}")
 
     def _face_count(self) -> int:
         return len(self.faces)
@@ -98,7 +99,7 @@ class _Faces:
         made, notes = ffi.new("bat_mesh *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
         how = options("bat_mesh_read_options", settings)
         how.notes, how.polygons = notes, cls._polygons
-        call(lib.bat_mesh_read, os.fsencode(path), how, made)
+        call_on_file(lib.bat_mesh_read, path, how, made)
         _warn(notes)
         return cls._from(made)
 
@@ -111,7 +112,7 @@ class _Faces:
         if normals is not None and len(normals) != len(self.vertices):
             raise ValueError(f"vertex_normals: {len(self.vertices)} rows are needed")
         how.notes, how.vertex_normals = notes, pointer(normals)
-        call(lib.bat_mesh_write, os.fsencode(path), self._struct(), how)
+        call_on_file(lib.bat_mesh_write, path, self._struct(), how)
         _warn(notes)
 
     @classmethod

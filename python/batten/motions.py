@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, drawn, ffi, flag, lib, like, options, pointer, takes, unmasked, written
+from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, call_on_file, drawn, ffi, flag, lib, like, options, pointer, takes, unmasked, written
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
@@ -163,7 +163,7 @@ class Motion:
             Those of :class:`Motion`.
         """
         read, made = options("bat_curve_read_options", {"motion": True}), ffi.new("bat_curve_set *")
-        call(lib.bat_curve_read, os.fsencode(path), read, made)
+        call_on_file(lib.bat_curve_read, path, read, made)
         keys = ffi.new("bat_hermite_curve *")
         how = options("bat_motion_curves_options", {"method": "spline"})
         try:

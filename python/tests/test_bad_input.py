@@ -1,5 +1,7 @@
 """Everything that can be wrong in an argument, over every function: a clear exception, never a crash."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -208,6 +210,26 @@ def test_options_are_checked_with_scenes_without_meshes():
     for call in (batten.refine_mesh, batten.decimate):
         with pytest.raises(batten.InvalidArgument, match="tolerance"):
             call(scene, tolerance=-1.0)
+
+
+def test_messages_name_the_file(tmp_path):
+    mesh = batten.Mesh(POINTS, FACES)
+    missing = tmp_path / "none.obj"
+    for call in (lambda: batten.Mesh.read(missing), lambda: batten.Mesh.read(str(missing)), lambda: batten.PolygonMesh.read(missing)):
+        with pytest.raises(batten.FileAccess, match=f"^{re.escape(str(missing))}: cannot open"):
+            call()
+    with pytest.raises(batten.FileAccess, match="none.csv: cannot open"):
+        batten.Motion.read(tmp_path / "none.csv")
+    for call in (lambda path: mesh.write(f"{path}.obj"), lambda path: surface().write(f"{path}.step")):
+        with pytest.raises(batten.FileAccess, match="no-folder/a.*: cannot write"):
+            call(tmp_path / "no-folder" / "a")
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nv 0 0 x\n")
+    with pytest.raises(batten.BadFile, match=f"^{re.escape(str(bad))}:2: 'x' is not a number") as caught:
+        batten.Mesh.read(bad)
+    assert caught.value.line == 2
+    with pytest.raises(TypeError, match="unknown part of a mesh: 'chanels'; did you mean channels"):
+        batten.Mesh(POINTS, FACES, chanels=POINTS)
 
 
 MASKED = np.ma.MaskedArray(POINTS, mask=[[False] * 3] * 3 + [[True] * 3])
