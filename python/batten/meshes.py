@@ -695,6 +695,10 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     with shown(progress, "decimating"):
         call(lib.bat_mesh_decimate, fine._struct(), how, coarse, made)
     left = Mesh._from(coarse)
+    most = how.faces or int(np.ceil(how.ratio * len(fine.faces)))
+    for wanted, rows, name in ((how.vertices, left.vertices, "vertices"), (most, left.faces, "faces")):
+        if 0 < wanted < len(rows):
+            warnings.warn(f"decimation ends at {len(rows)} {name}, not {wanted}: no further edge can collapse", BattenWarning, stacklevel=2)
     way = MeshMap(fine, left, made[0]) if made != ffi.NULL else None
     return Decimation(left if theirs is None else theirs.decimated(left, way), way if map else None,
                       bound[0] if how.tolerance else None)  # fmt: skip

@@ -155,6 +155,16 @@ def test_targets_of_decimation(sphere_mesh):
         batten.decimate(sphere_mesh, tolerance=0.01, ratio=0.5)
 
 
+def test_a_target_that_is_not_reached(tetrahedron, sphere_mesh):
+    for target, name in ({"vertices": 3}, "vertices"), ({"faces": 2}, "faces"), ({"ratio": 1e-3}, "faces"):
+        with pytest.warns(batten.BattenWarning, match=rf"decimation ends at \d+ {name}, not {target.get(name, 2)}: no further edge"):
+            made = batten.decimate(sphere_mesh, **target).mesh
+        assert 4 <= len(made.vertices) < 20
+    with pytest.warns(batten.BattenWarning, match="ends at 4 vertices, not 3"):
+        batten.decimate(tetrahedron, vertices=3)
+    assert len(batten.decimate(tetrahedron, vertices=4).mesh.vertices) == 4  # a warning would be an error
+
+
 def test_texture_and_channels_go_through_the_map(sphere_mesh):
     fine = batten.Mesh(*sphere_mesh, texture=sphere_mesh.vertices[:, :2], texture_faces=sphere_mesh.faces,
                        channels=sphere_mesh.vertices[:, 2:], channel_names=["height"])  # fmt: skip

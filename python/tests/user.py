@@ -25,7 +25,7 @@ fine = batten.refine_mesh(vertices, faces, scheme="loop", levels=2, boundary="ed
 again: batten.Mesh = batten.refine_mesh(batten.Mesh(vertices, faces), scheme="learned", fairness=0.5)
 position, triangles = fine
 coarse, to_fine = batten.decimate(again, vertices=10, method="fast")
-kept: batten.Decimation = batten.decimate(vertices, faces, ratio=0.5)
+kept: batten.Decimation = batten.decimate(vertices, faces, ratio=1.0)
 distances = batten.measure(again, (vertices, faces), samples=100)
 motion = batten.Motion([0, 1, 2], [[0.0], [1.0], [8.0]], ends="natural", sigma="auto")
 speed: float = float(motion.velocity(0.5)[0])
