@@ -655,7 +655,7 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     Parameters
     ----------
     mesh, triangles
-        As of :func:`refine_mesh`.
+        As of :func:`refine_mesh`. Vertices of a trimesh that seams of its texture split count once.
     map : bool
         False: no map, which is faster.
     progress : bool or callable
