@@ -5,6 +5,8 @@ import { VIEWS, toDegrees, toUnit } from "./view.js";
 
 /** More points than this get no handles. */
 const MAX_HANDLES = 400;
+/** Curves of more points are shown as their file has them, and not edited. */
+const MAX_EDITED = 5000;
 const HIT = 22;
 
 const csvPoints = (text) =>
@@ -46,7 +48,12 @@ export function curveTab(app, section) {
   let given = null;
   let combs = [];
   let held = -1;
-  let big = null; // the points of a file that is too large for handles
+  let big = null; // the points of a file that is too large to edit
+  let source = null; // that file as it was read: number, space, points
+  let good = { state: structuredClone(state), big, source }; // the last that gave a picture
+  let drawn = false;
+  let working = Promise.resolve(null);
+  let opening; // the name of a file that has no picture yet
   let frame = 0;
   const lists = app.tables.lists;
 
@@ -67,23 +74,35 @@ export function curveTab(app, section) {
   };
   const full = (name) => (name === "learned" ? `learned:fairness=${state.fairness}` : (SETTINGS[name] ?? name));
 
-  async function compute() {
+  const dimension = () => (state.space === "sphere" ? 3 : 2);
+  const count = () => (big ? big.length / dimension() : state.points.length);
+  const snapshot = () => ({ state: structuredClone(state), big, source });
+  let settled = working; // all refinements that began
+  const compute = () => {
+    working = refine();
+    settled = Promise.allSettled([settled, working]);
+    return working;
+  };
+  /** True once the curve is drawn, null where a newer call takes over, false after a failure, of which the user is told. */
+  async function refine() {
+    const tried = snapshot();
     const schemes = state.schemes.map(full);
-    const points = big ? big.length / (state.space === "sphere" ? 3 : 2) : state.points.length;
-    if (points < (state.closed ? 3 : 2)) {
-      results = [];
-      given = null;
-      redraw();
-      return;
+    const needed = state.closed ? 3 : 2;
+    if (count() < needed) {
+      app.fail(new Error(`${state.closed ? "a closed" : "an open"} curve needs at least ${needed} points, not ${count()}`), opening);
+      return false;
     }
     try {
       const options = { levels: state.levels, ends: state.ends };
       const answer = await app.engine.latest("curve", "curve", { coarse: coarse(), schemes, options }, "Refining");
+      const bad = answer.results.find((result) => result.error);
+      if (bad) app.fail(new Error(answer.results.length > 1 ? `${bad.scheme}: ${bad.error}` : bad.error), opening);
+      else app.clear();
+      if (bad && answer.results.every((result) => result.error)) return false;
       results = answer.results;
       given = answer.given;
-      const bad = results.find((result) => result.error);
-      if (bad) app.fail(new Error(results.length > 1 ? `${bad.scheme}: ${bad.error}` : bad.error));
-      else app.clear();
+      good = tried;
+      drawn = true;
       combs = [];
       if (state.comb && state.levels > 0)
         for (const result of results)
@@ -91,11 +110,30 @@ export function curveTab(app, section) {
             combs.push(await app.engine.call("comb", { fine: { space: state.space, points: result.points, closed: state.closed } }));
           else combs.push(null);
     } catch (error) {
-      app.fail(error);
-      return;
+      app.fail(error, opening);
+      return error.message === "superseded" ? null : false;
     }
     redraw();
     figures();
+    return true;
+  }
+  /** A step of undo, once its picture is there; without one the last good state comes back. */
+  async function keep() {
+    const done = await working;
+    if (done) app.commit();
+    else if (done === false) {
+      await settled;
+      back();
+    }
+  }
+  function back() {
+    const moved = good.state.space !== state.space || good.big !== big;
+    state = structuredClone(good.state);
+    ({ big, source } = good);
+    if (moved) fit();
+    controls();
+    if (drawn) redraw();
+    else void compute();
   }
 
   // Drawing.
@@ -199,23 +237,34 @@ export function curveTab(app, section) {
   }
 
   // Editing.
+  /** Point i of an array, in degrees on the sphere. */
+  const coordinates = (points, name, i) => (name === "sphere" ? toDegrees(points[3 * i], points[3 * i + 1], points[3 * i + 2]) : [points[2 * i], points[2 * i + 1]]);
+  /** The same drawing in another space: its box becomes a part of the plane, of the globe or of the disk. */
+  function moved(points, name) {
+    let [a, b, c, d] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const [x, y] of points) [a, b, c, d] = [Math.min(a, x), Math.min(b, y), Math.max(c, x), Math.max(d, y)];
+    const scale = { plane: 4, sphere: 60, disk: 1.4 }[name] / (Math.max(c - a, d - b) || 1);
+    return points.map(([x, y]) => [(x - (a + c) / 2) * scale, (y - (b + d) / 2) * scale].map((v) => Number(v.toPrecision(6))));
+  }
+  /** The points of the large file in a space. */
+  function largeIn(name) {
+    if (name === source.space) return source.points;
+    const all = Array.from({ length: source.points.length / (source.space === "sphere" ? 3 : 2) }, (_, i) => coordinates(source.points, source.space, i));
+    return Float64Array.from(moved(all, name).flatMap((p) => (name === "sphere" ? toUnit(p) : p)));
+  }
   const set = (changes, { refit = false } = {}) => {
     Object.assign(state, changes);
     if (refit) fit();
     controls();
     return compute();
   };
-  const fit = () => {
+  function fit() {
     view = new VIEWS[state.space]();
-    const shown = big ? Array.from({ length: Math.min(2000, big.length / 2) }, (_, i) => {
-      const dim = state.space === "sphere" ? 3 : 2;
-      const k = dim * Math.floor((i * (big.length / dim)) / Math.min(2000, big.length / 2));
-      return dim === 3 ? toDegrees(big[k], big[k + 1], big[k + 2]) : [big[k], big[k + 1]];
-    }) : state.points;
-    view.fit(shown);
+    const shown = Math.min(2000, count());
+    view.fit(big ? Array.from({ length: shown }, (_, i) => coordinates(big, state.space, Math.floor((i * count()) / shown))) : state.points);
     const { width, height } = stage.getBoundingClientRect();
     view.resize(width || 1, height || 1);
-  };
+  }
   const round = (p) => (p ? p.map((value) => Number(value.toPrecision(7))) : null);
   function move(i, point) {
     if (!point) return;
@@ -241,20 +290,20 @@ export function curveTab(app, section) {
     state.points.splice(best.at, 0, point);
     void compute();
     redraw();
-    app.commit();
+    void keep();
   }
   function remove(i) {
     if (state.points.length <= (state.closed ? 3 : 2)) return;
     state.points.splice(i, 1);
     state.corners = state.corners.filter((k) => k !== i).map((k) => (k > i ? k - 1 : k));
     void compute();
-    app.commit();
+    void keep();
     requestAnimationFrame(() => circles[Math.min(i, circles.length - 1)]?.focus());
   }
   function corner(i) {
     state.corners = state.corners.includes(i) ? state.corners.filter((k) => k !== i) : [...state.corners, i].sort((a, b) => a - b);
     void compute();
-    app.commit();
+    void keep();
   }
 
   const place = (event) => {
@@ -304,7 +353,7 @@ export function curveTab(app, section) {
   });
   const release = (event) => {
     touches.delete(event.pointerId);
-    if (held >= 0 && drag?.moved) app.commit();
+    if (held >= 0 && drag?.moved) void keep();
     held = -1;
     drag = null;
     redraw();
@@ -340,7 +389,7 @@ export function curveTab(app, section) {
       const far = event.shiftKey ? 10 : 3;
       move(i, view.space(x + steps[0] * far, y + steps[1] * far));
       clearTimeout(settle);
-      settle = setTimeout(() => app.commit(), 400);
+      settle = setTimeout(keep, 400);
     } else if (event.key === "Delete" || event.key === "Backspace") remove(i);
     else if (event.key.toLowerCase() === "c" && !event.ctrlKey) corner(i);
     else if (event.key.toLowerCase() === "a" && !event.ctrlKey) {
@@ -360,26 +409,21 @@ export function curveTab(app, section) {
   const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, { title }]) => [name, title])], "", (name) => {
     if (!name) return;
     const { space, points, closed, corners = [] } = EXAMPLES[name];
-    big = null;
-    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space) }, { refit: true }).then(() => app.commit());
+    big = source = null;
+    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space), data: 0 }, { refit: true }).then(keep);
     example.set("");
   });
   const space = select("Space", [["plane", "plane"], ["sphere", "sphere"], ["disk", "Poincaré disk"]], "plane", (name) => {
     if (name === state.space) return;
-    // The same drawing in the other space: its box becomes a part of the globe, or of the disk.
-    const xs = state.points.map((p) => p[0]);
-    const ys = state.points.map((p) => p[1]);
-    const [a, b, c, d] = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
-    const size = Math.max(c - a, d - b) || 1;
-    const scale = { plane: 4, sphere: 60, disk: 1.4 }[name] / size;
-    big = null;
-    void set({ space: name, points: state.points.map(([x, y]) => [(x - (a + c) / 2) * scale, (y - (b + d) / 2) * scale].map((v) => Number(v.toPrecision(6)))) }, { refit: true }).then(() => app.commit());
+    const points = big ? [] : moved(state.points, name);
+    if (big) big = largeIn(name);
+    void set({ space: name, points, schemes: state.schemes.some((scheme) => name === "plane" || !PLANE.includes(scheme)) ? state.schemes : schemesOf(name) }, { refit: true }).then(keep);
   });
-  const closed = check("Closed", true, (value) => void set({ closed: value }).then(() => app.commit()));
-  const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(() => app.commit()));
-  const levels = slider("Levels", { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: () => app.commit() });
-  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.25, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: () => app.commit() });
-  const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(() => app.commit()));
+  const closed = check("Closed", true, (value) => void set({ closed: value }).then(keep));
+  const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(keep));
+  const levels = slider("Levels", { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: keep });
+  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.25, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: keep });
+  const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(keep));
   const boxes = new Map();
   const schemeList = h("div.schemes", { role: "group", "aria-label": "Schemes" });
   for (const { name, summary } of lists.curve_scheme.toSorted((a, b) => (b.name === "learned") - (a.name === "learned"))) {
@@ -388,7 +432,7 @@ export function curveTab(app, section) {
       type: "checkbox",
       onchange: () => {
         const schemes = box.checked ? [...state.schemes, name].slice(-8) : state.schemes.filter((other) => other !== name);
-        void set({ schemes }).then(() => app.commit());
+        void set({ schemes }).then(keep);
       },
     });
     boxes.set(name, { box, swatch });
@@ -443,28 +487,39 @@ export function curveTab(app, section) {
     ),
   );
 
-  async function open(file, fresh = true) {
+  async function read(bytes, name) {
+    const set_ = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, name) }, "Reading");
+    if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
+    const curve = set_.curves.reduce((a, b) => (b.points.length > a.points.length ? b : a));
+    const length = curve.points.length / (set_.space === "sphere" ? 3 : 2);
+    return { ...curve, space: set_.space, length, curves: set_.curves.length };
+  }
+  async function open(file) {
     app.clear();
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      const set_ = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, file.name) }, "Reading");
-      if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
-      const curve = set_.curves.reduce((a, b) => (b.points.length > a.points.length ? b : a));
-      const dim = set_.space === "sphere" ? 3 : 2;
-      const count = curve.points.length / dim;
-      big = count > 5000 ? curve.points : null;
-      state.data = big ? app.keep(file.name, bytes) : 0;
-      const points = big ? [] : Array.from({ length: count }, (_, i) => (dim === 3 ? round(toDegrees(...curve.points.slice(3 * i, 3 * i + 3))) : [...curve.points.slice(2 * i, 2 * i + 2)]));
-      const corners = curve.corners && !big ? [...curve.corners.keys()].filter((i) => curve.corners[i]) : [];
-      Object.assign(state, { space: set_.space, points, closed: curve.closed, corners, schemes: schemesOf(set_.space) });
-      if (big) state.levels = Math.min(state.levels, 3);
-      app.say(`${count} points read${set_.curves.length > 1 ? `, the longest of ${set_.curves.length} curves` : ""}`);
-      await set({}, { refit: true });
-      if (fresh) app.commit();
-      return true;
+      const curve = await read(bytes, file.name);
+      big = source = null;
+      const next = { space: curve.space, points: [], closed: curve.closed, corners: [], schemes: schemesOf(curve.space), data: 0 };
+      if (curve.length > MAX_EDITED) {
+        next.data = app.keep(file.name, bytes);
+        source = { data: next.data, space: curve.space, points: curve.points };
+        big = source.points;
+        next.levels = Math.min(state.levels, 3);
+      } else {
+        next.points = Array.from({ length: curve.length }, (_, i) => coordinates(curve.points, curve.space, i)).map((p) => (curve.space === "sphere" ? round(p) : p));
+        if (curve.corners) next.corners = [...curve.corners.keys()].filter((i) => curve.corners[i]);
+      }
+      app.say(`${curve.length} points read${curve.curves > 1 ? `, the longest of ${curve.curves} curves` : ""}`);
+      opening = file.name;
+      const done = await set(next, { refit: true });
+      await keep();
+      return done !== false; // a newer change decides about itself
     } catch (error) {
       app.fail(error, file.name);
       return false;
+    } finally {
+      opening = undefined;
     }
   }
 
@@ -480,15 +535,21 @@ export function curveTab(app, section) {
     },
     state: () => ({ ...state, points: big ? [] : state.points }),
     async restore(next) {
-      const moved = next.space !== state.space;
-      const given = next.data && next.data !== state.data ? app.file(next.data) : null;
-      if (given) await open(new File([given.bytes], given.name), false);
+      const before = { space: state.space, big };
       state = { ...structuredClone(FIRST), ...structuredClone(next) };
-      if (state.points.length) big = null;
+      const file = state.points.length === 0 && state.data ? app.file(state.data) : null;
+      const wanted = state;
+      if (file && source?.data !== state.data) {
+        const { space: name, points } = await read(file.bytes, file.name);
+        if (state !== wanted) return; // a later step of undo
+        source = { data: state.data, space: name, points };
+      }
+      if (!file) source = null;
+      big = source && largeIn(state.space);
       if (!big && !state.points.length) state = structuredClone(FIRST);
-      if (moved) fit();
+      if (before.space !== state.space || before.big !== big) fit();
       controls();
-      await compute();
+      if ((await compute()) === false) back();
     },
     /** Drag a point to a place: the milliseconds until its curve is drawn. For measurements. */
     async drag(i, place) {

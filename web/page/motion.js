@@ -19,6 +19,7 @@ export function motionTab(app, section) {
   const lists = app.tables.lists;
   let state = { keys: first, shape: "resting", ends: "auto", rate: 25 };
   let result = null;
+  let good = structuredClone(state); // the last state that gave a picture
   let started = false;
   let now = 0.35;
   let playing = 0;
@@ -40,15 +41,37 @@ export function motionTab(app, section) {
     points: Float64Array.from(state.keys.flatMap((row) => row.slice(1))),
     times: Float64Array.from(state.keys, (row) => row[0]),
   });
-  async function compute() {
+  let opening; // the name of a file that has no picture yet
+  let working = Promise.resolve(null);
+  const compute = () => (working = sample());
+  /** True once the motion is drawn, null where a newer call takes over, false after a failure, of which the user is told. */
+  async function sample() {
+    const tried = structuredClone(state);
     try {
+      if (state.keys.length < 2) throw new Error(`a motion needs at least 2 keyframes, not ${state.keys.length}`);
       result = await app.engine.latest("motion", "motion", { keys: keys(), samples: SAMPLES, options: { shape: state.shape, ends: state.ends } }, "Sampling");
+      good = tried;
       app.clear();
       figures();
     } catch (error) {
-      app.fail(error);
+      app.fail(error, opening);
+      return error.message === "superseded" ? null : false;
     }
     redraw();
+    return true;
+  }
+  /** A step of undo, once its picture is there; without one the last good state comes back. */
+  async function keep() {
+    const done = await working;
+    if (done) app.commit();
+    else if (done === false) back();
+    return done;
+  }
+  function back() {
+    state = structuredClone(good);
+    controls();
+    if (result) redraw();
+    else void compute();
   }
   const speed = (i) => Math.hypot(...result.velocities.subarray(6 * i, 6 * i + 3));
   const spin = (i) => Math.hypot(...result.velocities.subarray(6 * i + 3, 6 * i + 6));
@@ -200,7 +223,7 @@ export function motionTab(app, section) {
     }
     const [begin, end] = range();
     marks.forEach((mark, i) => {
-      mark.setAttribute("cx", 14 + ((state.keys[i][0] - begin) / (end - begin)) * (width - 28));
+      mark.setAttribute("cx", 14 + ((state.keys[i][0] - begin) / (end - begin || 1)) * (width - 28));
       mark.setAttribute("class", `handle${i === held ? " held" : ""}`);
       mark.setAttribute("aria-label", `Keyframe ${i + 1} at time ${digits(state.keys[i][0], 4)}`);
     });
@@ -215,7 +238,8 @@ export function motionTab(app, section) {
   const remove = (i) => {
     if (state.keys.length <= 2) return;
     state.keys.splice(i, 1);
-    void compute().then(() => app.commit());
+    void compute();
+    void keep();
   };
   const timeAt = (event) => {
     const box = line.getBoundingClientRect();
@@ -235,7 +259,7 @@ export function motionTab(app, section) {
     else if (held < 0) seek(timeAt(event));
   });
   line.addEventListener("pointerup", () => {
-    if (held >= 0) app.commit();
+    if (held >= 0) void keep();
     held = -1;
     redraw();
   });
@@ -248,7 +272,7 @@ export function motionTab(app, section) {
     else if (event.key === "Delete") remove(i);
     else return;
     event.preventDefault();
-    app.commit();
+    void keep();
   });
   function seek(time) {
     const [begin, end] = range();
@@ -304,7 +328,8 @@ export function motionTab(app, section) {
   const change = (changes) => {
     Object.assign(state, changes);
     controls();
-    void compute().then(() => app.commit());
+    void compute();
+    return keep();
   };
   const shape = select("Shape", lists.motion_shape.map(({ name }) => [name]), state.shape, (value) => change({ shape: value }));
   const ends = select("Ends", lists.motion_ends.map(({ name }) => [name]), state.ends, (value) => change({ ends: value }));
@@ -325,13 +350,14 @@ export function motionTab(app, section) {
       const count = points.length / 7;
       if (count > 2000) throw new Error(`${count} keyframes are too many for this page; the program takes them`);
       const width = channels ? channels.length / count : 0;
-      state.keys = Array.from({ length: count }, (_, i) => [set.has_times && width ? channels[i * width] : i, ...points.slice(7 * i, 7 * i + 7)]);
-      await compute();
-      app.commit();
-      return true;
+      opening = file.name;
+      const next = Array.from({ length: count }, (_, i) => [set.has_times && width ? channels[i * width] : i, ...points.slice(7 * i, 7 * i + 7)]);
+      return (await change({ keys: next })) === true;
     } catch (error) {
       app.fail(error, file.name);
       return false;
+    } finally {
+      opening = undefined;
     }
   }
   async function save(format) {
@@ -363,7 +389,7 @@ export function motionTab(app, section) {
       state = structuredClone(next);
       started = true;
       controls();
-      await compute();
+      if ((await compute()) === false) back();
     },
     inspect: () => ({ state, result }),
     commands: () => ({

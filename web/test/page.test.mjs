@@ -312,6 +312,71 @@ test("good and broken files", async () => {
   await page.waitForFunction(() => /broken\.geojson:2: /.test(document.getElementById("alert").textContent), WAIT);
 });
 
+/** A star of many points, on the plane or in degrees. */
+const many = (count, names) => `${names}\n${Array.from({ length: count }, (_, i) => {
+  const [r, t] = [10 + Math.sin((40 * Math.PI * i) / count), (2 * Math.PI * i) / count];
+  return `${(r * Math.cos(t)).toFixed(5)},${(r * Math.sin(t)).toFixed(5)}`;
+}).join("\n")}\n`;
+const idle = () => page.waitForFunction(() => document.getElementById("progress").hidden, WAIT);
+const told = (pattern) => page.waitForFunction((source) => new RegExp(source).test(document.getElementById("alert").textContent), WAIT, pattern.source);
+
+test("a curve without a picture is told, and the last good one stays", async () => {
+  await open();
+  await until("results.length === 2 && results[0].points");
+  const shown = () => inspect("JSON.stringify([state, results.map((one) => [one.scheme, one.points.length])])");
+  const [before, link] = [await shown(), await page.evaluate("location.hash")];
+  await drop("one.csv", "x,y\n1,2\n");
+  await told(/^batten: one\.csv: an open curve needs at least 2 points, not 1$/);
+  assert.equal(await shown(), before);
+  await drop("same.csv", "# closed\nx,y\n0,0\n0,0\n0,0\n");
+  await told(/^batten: same\.csv/);
+  assert.equal(await shown(), before);
+  assert.equal(await page.evaluate("location.hash"), link);
+  assert.equal(await page.$eval("#undo", (button) => button.disabled), true);
+  // A control that leads nowhere goes back too.
+  await drop("two.csv", "x,y\n1,2\n3,4\n");
+  await until("state.points.length === 2 && !state.closed && results[0].points.length === 66");
+  await page.evaluate(() => [...document.querySelectorAll("#curve .check")].find((label) => label.textContent === "Closed").click());
+  await told(/^batten: a closed curve needs at least 3 points, not 2$/);
+  await until("state.closed === false && results[0].points.length > 4");
+});
+
+test("a large curve changes its space, and undo brings the file back", async () => {
+  await open();
+  await drop("many.csv", many(6000, "lon,lat"));
+  await until('state.space === "sphere" && results[0].points.length > 18000');
+  const first = await inspect("[...results[0].points.slice(0, 3)].join()");
+  const onPlane = 'state.space === "plane" && results[0].points[0] > 1.5 && results[0].points.length < 100000';
+  await choose("Space", "plane");
+  await until(onPlane);
+  await choose("Space", "disk");
+  await until('state.space === "disk" && results[0].points[0] < 0.71');
+  assert.equal(await alertText(), "");
+  await page.click("#undo");
+  await until(onPlane);
+  await page.click("#undo");
+  await until(`state.space === "sphere" && [...results[0].points.slice(0, 3)].join() === "${first}"`);
+  await page.click("#undo");
+  await until('state.space === "plane" && state.points.length > 10');
+  await page.click("#redo");
+  await until(`state.space === "sphere" && [...results[0].points.slice(0, 3)].join() === "${first}"`);
+});
+
+test("a motion without a picture is told, and the last good one stays", async () => {
+  await open("#motion");
+  await until("result.points.length > 0");
+  const shown = () => inspect("JSON.stringify(state)");
+  const before = await shown();
+  await drop("one.tum", "0 0 0 0 0 0 0 1\n");
+  await told(/^batten: one\.tum: a motion needs at least 2 keyframes, not 1$/);
+  assert.equal(await shown(), before);
+  await drop("same.tum", "1 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n1 2 0 0 0 0 0 1\n");
+  await told(/^batten: same\.tum/);
+  assert.equal(await shown(), before);
+  assert.equal(await page.$eval("#undo", (button) => button.disabled), true);
+  assert.ok(!(await page.$eval("#motion svg", (svg) => svg.innerHTML)).includes("NaN"));
+});
+
 test("a file goes to its tab, from any tab", async () => {
   const scan = join(folder, "hull.xyz");
   execFileSync(program, ["shape", "hull", "--vertices", "1200", "-o", scan]);
