@@ -38,6 +38,9 @@ const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, co
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
 
+/** The controls of options that lead out of failures. */
+const CONTROLS = { levels: "Levels" };
+
 /** Linear schemes that other spaces refuse. */
 const PLANE = ["four-point", "six-point", "mask"];
 
@@ -96,7 +99,7 @@ export function curveTab(app, section) {
       const options = { levels: state.levels, ends: state.ends };
       const answer = await app.engine.latest("curve", "curve", { coarse: coarse(), schemes, options }, "Refining");
       const bad = answer.results.find((result) => result.error);
-      if (bad) app.fail(new Error(answer.results.length > 1 ? `${bad.scheme}: ${bad.error}` : bad.error), opening);
+      if (bad) app.fail({ ...bad.error, text: `${answer.results.length > 1 ? `${bad.scheme}: ` : ""}${bad.error.text ?? bad.error.message}` }, opening, CONTROLS);
       else app.clear();
       if (bad && answer.results.every((result) => result.error)) return false;
       results = answer.results;
@@ -110,7 +113,7 @@ export function curveTab(app, section) {
             combs.push(await app.engine.call("comb", { fine: { space: state.space, points: result.points, closed: state.closed } }));
           else combs.push(null);
     } catch (error) {
-      app.fail(error, opening);
+      app.fail(error, opening, CONTROLS);
       return error.message === "superseded" ? null : false;
     }
     redraw();
@@ -421,7 +424,7 @@ export function curveTab(app, section) {
   });
   const closed = check("Closed", true, (value) => void set({ closed: value }).then(keep));
   const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(keep));
-  const levels = slider("Levels", { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: keep });
+  const levels = slider(CONTROLS.levels, { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: keep });
   const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.25, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: keep });
   const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(keep));
   const boxes = new Map();

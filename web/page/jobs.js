@@ -37,7 +37,8 @@ export function curve(batten, { coarse, schemes, options, measure = true }, prog
       }
       return result;
     } catch (error) {
-      return { scheme, error: error.message, index: error.index };
+      const { text, remedy, effect } = error;
+      return { scheme, error: { message: error.message, text, remedy, effect } };
     }
   });
   let given = null;
@@ -231,7 +232,7 @@ export function analyze(batten, { scheme, level }) {
   try {
     basis = batten.bat_mask_basis(scheme, level);
   } catch (error) {
-    refused = error.message;
+    refused = error.text ?? error.message;
   }
   return { analysis, basis, refused };
 }

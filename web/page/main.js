@@ -43,7 +43,8 @@ const app = {
     }
     const place = [file, error.line].filter((part) => part).join(":");
     const control = controls[error.remedy];
-    alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${control ? `${error.text}; “${control}” ${error.effect}` : error.message}`;
+    // The library names its own options, of which the page has few.
+    alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${error.text ?? error.message}${control ? `; “${control}” ${error.effect}` : ""}`;
   },
   /** Results clear the message; that of a broken link or file stays until the user does something. */
   clear() {

@@ -4,6 +4,8 @@ import { check, color, digits, download, formatOf, group, h, opener, select, siz
 import { divider } from "./scene.js";
 import { toDegrees } from "./view.js";
 
+/** The controls of options that lead out of failures. */
+const CONTROLS = { levels: "Levels" };
 const FORMATS = ["geojson", "topojson", "wkt", "gpx", "csv", "obj"];
 
 export function mapTab(app, section) {
@@ -42,7 +44,7 @@ export function mapTab(app, section) {
         ]),
       );
     } catch (error) {
-      app.fail(error, state.example ? undefined : file);
+      app.fail(error, state.example ? undefined : file, CONTROLS);
       return error.message === "superseded" ? null : false;
     }
     redraw();
@@ -236,7 +238,7 @@ export function mapTab(app, section) {
     }
   };
   const scheme = select("Scheme", app.tables.map_schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
-  const levels = slider("Levels", { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
+  const levels = slider(CONTROLS.levels, { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
   const topology = check("Keep borders shared (topology)", true, (value) => change({ topology: value }));
   const marks = check("Mark borders that would tear", false, (value) => {
     state.marks = value;

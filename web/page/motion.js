@@ -3,6 +3,8 @@ import samples from "samples";
 import { check, color, digits, download, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
 
 const SAMPLES = 600;
+/** The controls of options that lead out of failures. */
+const CONTROLS = { shape: "Shape" };
 const parse = (text) =>
   text
     .split("\n")
@@ -54,7 +56,7 @@ export function motionTab(app, section) {
       app.clear();
       figures();
     } catch (error) {
-      app.fail(error, opening);
+      app.fail(error, opening, CONTROLS);
       return error.message === "superseded" ? null : false;
     }
     redraw();
@@ -331,7 +333,7 @@ export function motionTab(app, section) {
     void compute();
     return keep();
   };
-  const shape = select("Shape", lists.motion_shape.map(({ name }) => [name]), state.shape, (value) => change({ shape: value }));
+  const shape = select(CONTROLS.shape, lists.motion_shape.map(({ name }) => [name]), state.shape, (value) => change({ shape: value }));
   const ends = select("Ends", lists.motion_ends.map(({ name }) => [name]), state.ends, (value) => change({ ends: value }));
   const rate = slider("Poses a second in files", { min: 1, max: 100, step: 1, value: 25, change: (value) => (state.rate = value), commit: () => app.commit() });
   function controls() {

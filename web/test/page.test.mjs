@@ -318,7 +318,7 @@ const many = (count, names) => `${names}\n${Array.from({ length: count }, (_, i)
   return `${(r * Math.cos(t)).toFixed(5)},${(r * Math.sin(t)).toFixed(5)}`;
 }).join("\n")}\n`;
 const idle = () => page.waitForFunction(() => document.getElementById("progress").hidden, WAIT);
-const told = (pattern) => page.waitForFunction((source) => new RegExp(source).test(document.getElementById("alert").textContent), WAIT, pattern.source);
+const told = (pattern) => page.waitForFunction((source) => new RegExp(source).test(document.getElementById("alert").textContent), WAIT, pattern.source).catch(async () => assert.match(await alertText(), pattern));
 
 test("a curve without a picture is told, and the last good one stays", async () => {
   await open();
@@ -375,6 +375,20 @@ test("a motion without a picture is told, and the last good one stays", async ()
   assert.equal(await shown(), before);
   assert.equal(await page.$eval("#undo", (button) => button.disabled), true);
   assert.ok(!(await page.$eval("#motion svg", (svg) => svg.innerHTML)).includes("NaN"));
+});
+
+test("failures name controls of the page, and no options of the program", async () => {
+  await open();
+  for (const [name, text, pattern] of [
+    ["nan.csv", "x,y\n0,0\nnan,0\n1,1\n2,0\n", /^batten: nan\.csv:3: column 1: 'nan' is not a number$/],
+    ["utm.geojson", '{"type":"Polygon","coordinates":[[[500000,5000000],[500100,5000000],[500100,5000100],[500000,5000000]]]}', /^batten: utm\.geojson: ring 0, position 0: a latitude outside -90 to 90 degrees$/],
+  ]) {
+    await drop(name, text);
+    await told(pattern);
+  }
+  // A remedy that the page has: its control by its name.
+  await page.evaluate(() => window.batten.app.fail({ message: "no; the option scheme helps", text: "no", remedy: "scheme", effect: "helps" }, "a.obj", { scheme: "Scheme" }));
+  assert.equal(await alertText(), "batten: a.obj: no; “Scheme” helps");
 });
 
 test("a file goes to its tab, from any tab", async () => {
