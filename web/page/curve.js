@@ -1,6 +1,6 @@
 // Curves: points on the plane, the sphere and the disk, refined by several schemes at once.
 import samples from "samples";
-import { check, color, digits, download, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, downloads, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
 import { VIEWS, toDegrees, toUnit } from "./view.js";
 
 /** More points than this get no handles. */
@@ -38,6 +38,7 @@ const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, co
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
 
+const FORMATS = [["csv"], ["geojson", "GeoJSON"], ["wkt"], ["gpx"], ["topojson", "TopoJSON"], ["obj"]];
 /** The controls of options that lead out of failures. */
 const CONTROLS = { levels: "Levels" };
 
@@ -104,6 +105,7 @@ export function curveTab(app, section) {
       if (bad && answer.results.every((result) => result.error)) return false;
       results = answer.results;
       given = answer.given;
+      await offer(tried.state);
       good = tried;
       drawn = true;
       combs = [];
@@ -119,6 +121,15 @@ export function curveTab(app, section) {
     redraw();
     figures();
     return true;
+  }
+  /** Offer the formats that can hold the curve. */
+  let offered = "";
+  async function offer({ space: name, closed: ring }) {
+    if (offered === `${name} ${ring}`) return;
+    const some = results.find((result) => result.points);
+    const points = some?.points.slice(0, 4 * (name === "sphere" ? 3 : 2));
+    files.refuse(points ? await app.engine.call("refusals", { curves: [{ space: name, points, closed: ring }], formats: FORMATS.map(([format]) => format) }) : {});
+    offered = `${name} ${ring}`;
   }
   /** A step of undo, once its picture is there; without one the last good state comes back. */
   async function keep() {
@@ -457,7 +468,9 @@ export function curveTab(app, section) {
     }
   }
 
+  const files = downloads(FORMATS, save);
   async function save(format) {
+    app.clear(true);
     const result = results.find((one) => one.points);
     if (!result) return;
     try {
@@ -469,6 +482,7 @@ export function curveTab(app, section) {
     }
   }
   function picture() {
+    app.clear(true);
     draw();
     const copy = h("canvas", { width: canvas.width, height: canvas.height });
     const context = copy.getContext("2d");
@@ -486,7 +500,7 @@ export function curveTab(app, section) {
       group("Curve", h("div.row", {}, example.element, space.element), h("div.row", {}, closed.element, comb.element), h("div.row", {}, opener("Open file", ".csv,.geojson,.json,.obj,.gpx,.wkt,.topojson", (file) => open(file)), h("button", { type: "button", onclick: () => { fit(); redraw(); } }, "Fit view")),
         h("p.hint", {}, "Drag points. Double-click adds a point or marks a corner, a right click removes. Keys on a point: arrows, A adds, Delete removes, C corner.")),
       group("Schemes", schemeList, fairness.element, levels.element, ends.element),
-      group("Download", h("div.row", {}, ...[["csv", "CSV"], ["geojson", "GeoJSON"], ["wkt", "WKT"], ["gpx", "GPX"], ["topojson", "TopoJSON"], ["obj", "OBJ"]].map(([name, title]) => h("button", { type: "button", onclick: () => save(name) }, title)), h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
+      group("Download", h("div.row", {}, ...files.elements, h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
     ),
   );
 

@@ -84,6 +84,21 @@ export function download(name, data, type = "application/octet-stream") {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
+/** Buttons that download a file of each format, as [name, title]; those that cannot hold the data tell why. */
+export function downloads(formats, save) {
+  const buttons = formats.map(([name, title]) => [name, h("button", { type: "button", onclick: () => save(name) }, title ?? name.toUpperCase())]);
+  return {
+    elements: buttons.map(([, button]) => button),
+    /** Reasons by names of formats. */
+    refuse(reasons) {
+      for (const [name, button] of buttons) {
+        button.disabled = Boolean(reasons[name]);
+        button.title = reasons[name] ?? "";
+      }
+    },
+  };
+}
+
 /** A button that opens a file, beside dropping one. */
 export function opener(label, accept, open) {
   const input = h("input", { type: "file", accept, hidden: true, onchange: () => input.files[0] && open(input.files[0]).finally(() => (input.value = "")) });

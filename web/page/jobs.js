@@ -73,6 +73,18 @@ export function readCurves(batten, { bytes, options }) {
   return { curves, space, point_dim, notes, has_times };
 }
 
+/** Why formats cannot hold curves, by their names; nothing of those that can. */
+export function refusals(batten, { curves, formats }) {
+  const reasons = {};
+  for (const format of formats)
+    try {
+      batten.bat_curve_write_memory(curves, { format });
+    } catch (error) {
+      reasons[format] = error.text ?? error.message;
+    }
+  return reasons;
+}
+
 export function writeCurves(batten, { curves, format }) {
   return batten.bat_curve_write_memory(curves, { format });
 }
@@ -116,7 +128,7 @@ function tears(coarse, fine, levels) {
 }
 
 /** Refine a map with its topology, and each curve by itself to see what would have torn. */
-export function map(batten, { bytes, options, read, write }, progress) {
+export function map(batten, { bytes, options, read, write, formats = [] }, progress) {
   const set = batten.bat_curve_read_memory(bytes, read);
   const owned = [set];
   try {
@@ -140,6 +152,7 @@ export function map(batten, { bytes, options, read, write }, progress) {
       space: set.space,
       notes: set.notes,
       report: fine.report,
+      refused: refusals(batten, { curves: set, formats }),
       tears: torn.slice(0, 5000),
       torn: torn.length,
     };

@@ -47,7 +47,8 @@ const app = {
     alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${error.text ?? error.message}${control ? `; “${control}” ${error.effect}` : ""}`;
   },
   /** Results clear the message; that of a broken link or file stays until the user does something. */
-  clear() {
+  clear(acted = false) {
+    if (acted) kept = false;
     if (!kept) alertBox.textContent = "";
   },
   /** The state of the current tab changed for good: a step of undo. */

@@ -1,12 +1,14 @@
 // Maps: a GeoJSON file before and after, and where its borders would have torn.
 import { geoArea, geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
-import { check, color, digits, download, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, downloads, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
 import { divider } from "./scene.js";
 import { toDegrees } from "./view.js";
 
 /** The controls of options that lead out of failures. */
 const CONTROLS = { levels: "Levels" };
-const FORMATS = ["geojson", "topojson", "wkt", "gpx", "csv", "obj"];
+const FORMATS = [["geojson", "GeoJSON"], ["topojson", "TopoJSON"], ["wkt"], ["gpx"], ["csv"], ["obj"]];
+/** Of larger files only writing tells whether a format holds them. */
+const MAX_TRIED = 2e7;
 
 export function mapTab(app, section) {
   let state = { scheme: "learned", levels: 3, topology: true, keep_area: false, decimals: 6, example: true, data: 0, marks: false };
@@ -16,6 +18,7 @@ export function mapTab(app, section) {
   let zoom = { k: 1, x: 0, y: 0 };
   let started = false;
   let focus = -1;
+  let offered = null; // the file whose formats the buttons offer
   const canvas = h("canvas", { role: "img", "aria-label": "The map before (dashed) and after, with tears marked" });
   const legend = h("div.legend", {}, "");
   const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "Map: arrow keys move, plus and minus zoom" }, canvas, legend);
@@ -30,7 +33,11 @@ export function mapTab(app, section) {
     bytes ??= example();
     try {
       const options = { scheme: state.scheme, levels: state.levels, find_corners: true, topology: state.topology, decimals: state.decimals, keep_area: state.topology && state.keep_area };
-      result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file) }, "Refining the map");
+      const tried = bytes;
+      const formats = tried === offered || tried.length > MAX_TRIED ? [] : FORMATS.map(([name]) => name);
+      result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), formats }, "Refining the map");
+      if (tried !== offered) files.refuse(result.refused);
+      offered = tried;
       app.clear();
       prepare();
       facts.replaceChildren(
@@ -277,7 +284,9 @@ export function mapTab(app, section) {
     redraw();
     return false;
   }
+  const files = downloads(FORMATS, save);
   async function save(format) {
+    app.clear(true);
     try {
       const options = { scheme: state.scheme, levels: state.levels, find_corners: true, topology: state.topology, decimals: state.decimals, keep_area: state.keep_area };
       const { text } = await app.engine.call("map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), write: format }, "Writing");
@@ -292,7 +301,7 @@ export function mapTab(app, section) {
       group("Map", h("div.row", {}, opener("Open file", ".geojson,.json,.topojson,.wkt,.gpx,.csv,.geojsonl", open), h("button", { type: "button", onclick: () => { take(null); void change({ example: true, data: 0 }); } }, "Example")),
         h("p.hint", {}, "Drop a GeoJSON file of countries, parcels or coasts. The example is a map of 200 invented countries."), scheme.element, levels.element, topology.element, area.element, marks.element),
       group("Figures", facts, h("div.row", {}, h("button", { type: "button", onclick: nextTear }, "Next tear"), h("button", { type: "button", onclick: () => { zoom = { k: 1, x: 0, y: 0 }; focus = -1; redraw(); } }, "Whole map"))),
-      group("Download", h("div.row", {}, ...FORMATS.map((format) => h("button", { type: "button", onclick: () => save(format) }, format === "geojson" ? "GeoJSON" : format === "topojson" ? "TopoJSON" : format.toUpperCase())))),
+      group("Download", h("div.row", {}, ...files.elements)),
     ),
   );
   return {

@@ -201,6 +201,7 @@ export function meshTab(app, section) {
   }
   async function save(format) {
     if (!result) return;
+    app.clear(true);
     try {
       download(`fine.${format}`, await app.engine.call("writeMesh", { mesh: result.fine, format, encoding: "binary" }, "Writing"));
     } catch (error) {

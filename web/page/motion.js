@@ -363,6 +363,7 @@ export function motionTab(app, section) {
     }
   }
   async function save(format) {
+    app.clear(true);
     try {
       download(`motion.${{ tum: "tum", csv: "csv" }[format] ?? `${format}.txt`}`, await app.engine.call("motionFile", { csv: csv(), options: { rate: state.rate, shape: state.shape, ends: state.ends }, format }, "Writing"));
     } catch (error) {

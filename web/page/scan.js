@@ -88,7 +88,10 @@ export function scanTab(app, section) {
       ? [["points", digits(r.fitted)], ["noise of a coordinate", digits(r.noise, 3)], ["surface", `${r.closed ? "closed" : "open"} shell, ${r.face_count * r.spans ** 2} patches`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out, 3)], ["normals across sides", `${digits(r.normal_jump, 2)}°`], ...(r.closed ? [["volume", digits(r.volume, 4)]] : [["boundary loops", digits(r.holes)]])]
       : [["points", digits(result.points.length / 3)], ["noise of a coordinate", digits(r.noise, 3)], ["parameters", r.chosen], ["functions", `${r.functions} on ${r.levels} level${r.levels > 1 ? "s" : ""}`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out_rms, 3)], ["area", digits(r.verdict.area, 4)]];
     facts.replaceChildren(verdict, table(["", "value"], [...rows, ["seconds", digits(seconds, 2)]]));
-    for (const [name, button] of buttons) button.disabled = shell && !OF_SHELLS.includes(name);
+    for (const [name, button] of buttons) {
+      button.disabled = shell && !OF_SHELLS.includes(name);
+      button.title = button.disabled ? "holds one patch, and no shell" : "";
+    }
   }
   const change = async (changes) => {
     const last = { ...state };
@@ -125,6 +128,7 @@ export function scanTab(app, section) {
     return false;
   }
   async function save(name) {
+    app.clear(true);
     try {
       const data = await (await app.scanEngine()).call("writeScan", { format: name }, "Writing");
       download(`surface.${name}`, data);

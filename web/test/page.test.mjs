@@ -391,6 +391,44 @@ test("failures name controls of the page, and no options of the program", async 
   assert.equal(await alertText(), "batten: a.obj: no; “Scheme” helps");
 });
 
+test("what is offered for download can be downloaded, and what cannot says why", async () => {
+  const saved = [];
+  await page.exposeFunction("onSaved", (name, size) => saved.push([name, size]));
+  const { identifier } = await page.evaluateOnNewDocument(() => {
+    const make = URL.createObjectURL;
+    let last = null;
+    URL.createObjectURL = (blob) => make.call(URL, (last = blob));
+    HTMLAnchorElement.prototype.click = function () {
+      window.onSaved(this.download, last.size);
+    };
+  });
+  await open();
+  const buttons = (name) => page.$$eval(`#${name} section[aria-label="Download"] button`, (all) => all.map(({ textContent, disabled, title }) => [textContent, disabled, title]));
+  for (const [name, refused] of [["curve", { GeoJSON: /plane coordinates/, GPX: /longitude and latitude/ }], ["map", { GPX: /no polygons/ }], ["motion", {}], ["mesh", {}], ["scan", {}]]) {
+    await tab(name);
+    await page.waitForFunction((which) => ((made) => made.result || made.results?.length)(window.batten.tabs[which].inspect()) && document.getElementById("progress").hidden, WAIT, name);
+    for (const [label, off, title] of await buttons(name)) {
+      assert.equal(off, label in refused, `${name}: ${label}`);
+      if (off) {
+        assert.match(title, refused[label]);
+        continue;
+      }
+      const before = saved.length;
+      await page.evaluate(() => window.batten.app.fail(new Error("an old message")));
+      await page.$$eval(`#${name} section[aria-label="Download"] button`, (all, text) => all.find((one) => one.textContent === text).click(), label);
+      for (let i = 0; i < 200 && saved.length === before; i++) await new Promise((resolve) => setTimeout(resolve, 50));
+      assert.ok(saved.length === before + 1 && saved.at(-1)[1] > 10, `${name}: ${label}: ${await alertText()}`);
+      assert.equal(await alertText(), "");
+    }
+  }
+  // On the sphere all formats are there.
+  await tab("curve");
+  await drop(data("coast.geojson"));
+  await page.waitForFunction(() => window.batten.current() === "curve" && window.batten.tabs.curve.inspect().state.space === "sphere", WAIT);
+  await page.waitForFunction(() => [...document.querySelectorAll('#curve section[aria-label="Download"] button')].every((button) => !button.disabled && !button.title), WAIT);
+  await page.removeScriptToEvaluateOnNewDocument(identifier);
+});
+
 test("a file goes to its tab, from any tab", async () => {
   const scan = join(folder, "hull.xyz");
   execFileSync(program, ["shape", "hull", "--vertices", "1200", "-o", scan]);
