@@ -1,6 +1,6 @@
 // Curves: points on the plane, the sphere and the disk, refined by several schemes at once.
 import samples from "samples";
-import { check, color, digits, download, downloads, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, downloads, enumerator, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
 import { VIEWS, toDegrees, toUnit } from "./view.js";
 
 /** More points than this get no handles. */
@@ -33,7 +33,7 @@ const EXAMPLES = {
   iss: { title: "ISS track (sphere)", space: "sphere", closed: true, points: lonLat(samples["iss-track.geojson"]) },
   petals: { title: "Petals (Poincaré disk)", space: "disk", closed: true, points: csvPoints(samples["hyperbolic.csv"]) },
 };
-const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0 };
+const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0, notes: [] };
 
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
@@ -247,7 +247,7 @@ export function curveTab(app, section) {
     if (given) rows.push(["given", digits(given.fairness.bending, 4), digits(given.fairness.g1, 4), given.simple ? "no" : "yes"]);
     for (const result of results)
       if (result.points) rows.push([result.scheme.split(":")[0], digits(result.fairness.bending, 4), digits(result.fairness.g1, 4), result.simple === null ? "–" : result.simple ? "no" : "yes"]);
-    measures.replaceChildren(table(["", "bending", "largest turn", "crosses"], rows));
+    measures.replaceChildren(table(["", "bending", "largest turn", "crosses"], rows), ...notes(state.notes));
   }
 
   // Editing.
@@ -424,7 +424,7 @@ export function curveTab(app, section) {
     if (!name) return;
     const { space, points, closed, corners = [] } = EXAMPLES[name];
     big = source = null;
-    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space), data: 0 }, { refit: true }).then(keep);
+    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space), data: 0, notes: [] }, { refit: true }).then(keep);
     example.set("");
   });
   const space = select("Space", [["plane", "plane"], ["sphere", "sphere"], ["disk", "Poincaré disk"]], "plane", (name) => {
@@ -509,7 +509,7 @@ export function curveTab(app, section) {
     if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
     const curve = set_.curves.reduce((a, b) => (b.points.length > a.points.length ? b : a));
     const length = curve.points.length / (set_.space === "sphere" ? 3 : 2);
-    return { ...curve, space: set_.space, length, curves: set_.curves.length };
+    return { ...curve, space: set_.space, length, curves: set_.curves.length, notes: set_.notes };
   }
   async function open(file) {
     app.clear();
@@ -517,7 +517,8 @@ export function curveTab(app, section) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       const curve = await read(bytes, file.name);
       big = source = null;
-      const next = { space: curve.space, points: [], closed: curve.closed, corners: [], schemes: schemesOf(curve.space), data: 0 };
+      const next = { space: curve.space, points: [], closed: curve.closed, corners: [], schemes: schemesOf(curve.space), data: 0, notes: curve.notes };
+      if (curve.curves > 1) next.notes = [`the longest of ${curve.curves} curves of the file`, ...next.notes];
       if (curve.length > MAX_EDITED) {
         next.data = app.keep(file.name, bytes);
         source = { data: next.data, space: curve.space, points: curve.points };

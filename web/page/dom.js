@@ -54,6 +54,9 @@ export function table(head, rows) {
   );
 }
 
+/** What a reader notes about a file, a paragraph each, below the figures. */
+export const notes = (texts) => (texts ?? []).map((text) => h("p.hint.note", {}, `${text[0].toUpperCase()}${text.slice(1)}.`));
+
 /** A canvas as large as its parent, in pixels of the device. */
 export function sized(canvas) {
   const { width, height } = canvas.parentElement.getBoundingClientRect();

@@ -1,6 +1,6 @@
 // Maps: a GeoJSON file before and after, and where its borders would have torn.
 import { geoArea, geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
-import { check, color, digits, download, downloads, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, downloads, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
 import { divider } from "./scene.js";
 import { toDegrees } from "./view.js";
 
@@ -49,6 +49,7 @@ export function mapTab(app, section) {
           [state.topology ? "would have torn" : "torn edges", digits(result.torn)],
           ["widest gap", result.tears.length ? `${digits(result.tears[0].gap * 6371, 3)} km` : "–"],
         ]),
+        ...notes(result.notes),
       );
     } catch (error) {
       app.fail(error, state.example ? undefined : file, CONTROLS);

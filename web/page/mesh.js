@@ -1,6 +1,6 @@
 // Meshes: refined by a scheme, decimated, and compared with another scheme, in three dimensions.
 import { Vector3 } from "three";
-import { check, color, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
+import { check, color, digits, download, endings, enumerator, group, h, notes, opener, select, slider, table } from "./dom.js";
 import { divider, scene3d } from "./scene.js";
 
 /** Meshes made by a formula, as [positions, faces]. */
@@ -124,6 +124,7 @@ export function meshTab(app, section) {
         ["scheme", "", result.scheme],
         ["mean quality of triangles", digits(before.mean_quality, 3), digits(summary.mean_quality, 3)],
       ]),
+      ...notes(coarse.notes),
       ...(result.base.distance === undefined ? [] : [h("p.hint", {}, `Decimated by at most ${digits(result.base.distance, 3)}, proven.`)]),
       ...(result.triangulated ? [h("p.hint", {}, "The polygons were cut into triangles; catmull-clark refines them as they are.")] : []),
       ...(fine.fallback ? [h("p.hint", {}, `${fine.fallback} places fell back to a classical rule.`)] : []),

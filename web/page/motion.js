@@ -1,6 +1,6 @@
 // Motions: keyframes on a timeline, the body that flies along, and its speed.
 import samples from "samples";
-import { check, color, digits, download, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, enumerator, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
 
 const SAMPLES = 600;
 /** The controls of options that lead out of failures. */
@@ -19,7 +19,7 @@ const parse = (text) =>
 export function motionTab(app, section) {
   const first = parse(samples["camera-keyframes.csv"]);
   const lists = app.tables.lists;
-  let state = { keys: first, shape: "resting", ends: "auto", rate: 25 };
+  let state = { keys: first, shape: "resting", ends: "auto", rate: 25, notes: [] };
   let result = null;
   let good = structuredClone(state); // the last state that gave a picture
   let started = false;
@@ -86,7 +86,7 @@ export function motionTab(app, section) {
       fastest = Math.max(fastest, spin(i));
       if (i) length += Math.hypot(...[0, 1, 2].map((c) => result.points[7 * i + c] - result.points[7 * i - 7 + c]));
     }
-    facts.replaceChildren(table(["", ""], [["keyframes", digits(state.keys.length)], ["length of the path", digits(length)], ["speed", `${digits(slow, 3)} to ${digits(fast, 3)}`], ["fastest turn", `${digits((fastest * 180) / Math.PI, 3)} °/s`]]));
+    facts.replaceChildren(table(["", ""], [["keyframes", digits(state.keys.length)], ["length of the path", digits(length)], ["speed", `${digits(slow, 3)} to ${digits(fast, 3)}`], ["fastest turn", `${digits((fastest * 180) / Math.PI, 3)} °/s`]]), ...notes(state.notes));
   }
 
   // Drawing.
@@ -354,7 +354,7 @@ export function motionTab(app, section) {
       const width = channels ? channels.length / count : 0;
       opening = file.name;
       const next = Array.from({ length: count }, (_, i) => [set.has_times && width ? channels[i * width] : i, ...points.slice(7 * i, 7 * i + 7)]);
-      return (await change({ keys: next })) === true;
+      return (await change({ keys: next, notes: set.notes })) === true;
     } catch (error) {
       app.fail(error, file.name);
       return false;
@@ -373,7 +373,7 @@ export function motionTab(app, section) {
   section.append(
     h("div.column", {}, stage, timeline, speedBox),
     h("div.side", {},
-      group("Motion", h("div.row", {}, button, opener("Open file", ".csv,.tum,.txt", open), h("button", { type: "button", onclick: () => change({ keys: parse(samples["camera-keyframes.csv"]) }) }, "Example")), h("p.hint", {}, "A camera circles a table. Drag keyframes on the timeline; the ends stay. Drag the view to turn it."), shape.element, ends.element, h("button", { type: "button", onclick: () => { const i = Math.round(now * (SAMPLES - 1)); const row = [Number(result.times[i].toPrecision(6)), ...Array.from(result.points.subarray(7 * i, 7 * i + 7))]; if (state.keys.some((key) => Math.abs(key[0] - row[0]) < 1e-9)) return; change({ keys: [...state.keys, row].sort((a, b) => a[0] - b[0]) }); } }, "Add a keyframe here")),
+      group("Motion", h("div.row", {}, button, opener("Open file", ".csv,.tum,.txt", open), h("button", { type: "button", onclick: () => change({ keys: parse(samples["camera-keyframes.csv"]), notes: [] }) }, "Example")), h("p.hint", {}, "A camera circles a table. Drag keyframes on the timeline; the ends stay. Drag the view to turn it."), shape.element, ends.element, h("button", { type: "button", onclick: () => { const i = Math.round(now * (SAMPLES - 1)); const row = [Number(result.times[i].toPrecision(6)), ...Array.from(result.points.subarray(7 * i, 7 * i + 7))]; if (state.keys.some((key) => Math.abs(key[0] - row[0]) < 1e-9)) return; change({ keys: [...state.keys, row].sort((a, b) => a[0] - b[0]) }); } }, "Add a keyframe here")),
       group("Figures", facts),
       group("Download", rate.element, h("div.row", {}, ...["csv", "tum", "euroc", "kitti"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
     ),

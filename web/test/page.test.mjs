@@ -429,6 +429,28 @@ test("what is offered for download can be downloaded, and what cannot says why",
   await page.removeScriptToEvaluateOnNewDocument(identifier);
 });
 
+test("notes about a file stand beside the figures", async () => {
+  await open();
+  const square = (x, y) => `[[${x},${y}],[${x + 1},${y}],[${x + 1},${y}],[${x + 1},${y + 1}],[${x},${y}]]`;
+  for (const [name, file, text, words] of [
+    ["curve", "table.csv", "a;b\n0,5;1,5\n1,5;2,5\n3,0;1,0\n", "Decimal commas were read as points."],
+    ["curve", "two.wkt", "LINESTRING (0 0, 2 1, 4 0, 5 3)\nLINESTRING (0 0, 2 1, 4 0)\n", "The longest of 2 curves of the file."],
+    ["map", "doubled.geojson", `{"type":"MultiPolygon","coordinates":[[${square(0, 0)}],[${square(3, 0)}]]}`, "Dropped 2 repeated points"],
+    ["mesh", "lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nl 1 2\n", "Statements that a mesh does not hold are left out: l."],
+    ["motion", "millis.csv", "time_ms,tx,ty,tz,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1000,1,0,0,1,0,0,0\n2000,2,1,0,1,0,0,0\n", "Times in milliseconds"],
+  ]) {
+    await tab(name);
+    await drop(file, text);
+    await page.waitForFunction((which, part) => window.batten.current() === which && [...document.querySelectorAll(`#${which} .note`)].some((box) => box.textContent.startsWith(part)), WAIT, name, words)
+      .catch(async () => assert.fail(`${file}: ${await page.$eval(`#${name}`, (box) => [...box.querySelectorAll(".note")].map((one) => one.textContent).join("|"))} ${await alertText()}`));
+  }
+  // They go with their file.
+  await page.$$eval("#motion button", (all) => all.find((one) => one.textContent === "Example").click());
+  await page.waitForFunction(() => !document.querySelector("#motion .note"), WAIT);
+  await page.click("#undo");
+  await page.waitForFunction(() => document.querySelector("#motion .note"), WAIT);
+});
+
 test("a file goes to its tab, from any tab", async () => {
   const scan = join(folder, "hull.xyz");
   execFileSync(program, ["shape", "hull", "--vertices", "1200", "-o", scan]);
