@@ -1,6 +1,7 @@
 // Curves: points on the plane, the sphere and the disk, refined by several schemes at once.
 import samples from "samples";
 import { check, color, digits, download, downloads, enumerator, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
+import { MAX_LITERAL, imports, layoutOf, loadtxt, longestIn, quoted, shellName } from "./code.js";
 import { VIEWS, toDegrees, toUnit } from "./view.js";
 
 /** More points than this get no handles. */
@@ -33,7 +34,7 @@ const EXAMPLES = {
   iss: { title: "ISS track (sphere)", space: "sphere", closed: true, points: lonLat(samples["iss-track.geojson"]) },
   petals: { title: "Petals (Poincaré disk)", space: "disk", closed: true, points: csvPoints(samples["hyperbolic.csv"]) },
 };
-const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0, notes: [] };
+const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0, notes: [], file: null };
 
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
@@ -283,6 +284,7 @@ export function curveTab(app, section) {
   function move(i, point) {
     if (!point) return;
     state.points[i] = round(point);
+    state.file = null;
     redraw();
     void compute();
   }
@@ -302,6 +304,7 @@ export function curveTab(app, section) {
     }
     state.corners = state.corners.map((i) => (i >= best.at ? i + 1 : i));
     state.points.splice(best.at, 0, point);
+    state.file = null;
     void compute();
     redraw();
     void keep();
@@ -309,12 +312,14 @@ export function curveTab(app, section) {
   function remove(i) {
     if (state.points.length <= (state.closed ? 3 : 2)) return;
     state.points.splice(i, 1);
+    state.file = null;
     state.corners = state.corners.filter((k) => k !== i).map((k) => (k > i ? k - 1 : k));
     void compute();
     void keep();
     requestAnimationFrame(() => circles[Math.min(i, circles.length - 1)]?.focus());
   }
   function corner(i) {
+    state.file = null;
     state.corners = state.corners.includes(i) ? state.corners.filter((k) => k !== i) : [...state.corners, i].sort((a, b) => a - b);
     void compute();
     void keep();
@@ -424,14 +429,14 @@ export function curveTab(app, section) {
     if (!name) return;
     const { space, points, closed, corners = [] } = EXAMPLES[name];
     big = source = null;
-    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space), data: 0, notes: [] }, { refit: true }).then(keep);
+    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space), data: 0, notes: [], file: null }, { refit: true }).then(keep);
     example.set("");
   });
   const space = select("Space", [["plane", "plane"], ["sphere", "sphere"], ["disk", "Poincaré disk"]], "plane", (name) => {
     if (name === state.space) return;
     const points = big ? [] : moved(state.points, name);
     if (big) big = largeIn(name);
-    void set({ space: name, points, schemes: state.schemes.some((scheme) => name === "plane" || !PLANE.includes(scheme)) ? state.schemes : schemesOf(name) }, { refit: true }).then(keep);
+    void set({ space: name, points, file: big ? state.file : null, schemes: state.schemes.some((scheme) => name === "plane" || !PLANE.includes(scheme)) ? state.schemes : schemesOf(name) }, { refit: true }).then(keep);
   });
   const closed = check("Closed", true, (value) => void set({ closed: value }).then(keep));
   const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(keep));
@@ -507,9 +512,10 @@ export function curveTab(app, section) {
   async function read(bytes, name) {
     const set_ = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, name) }, "Reading");
     if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
-    const curve = set_.curves.reduce((a, b) => (b.points.length > a.points.length ? b : a));
+    const which = set_.curves.reduce((best, curve, i, all) => (curve.points.length > all[best].points.length ? i : best), 0);
+    const curve = set_.curves[which];
     const length = curve.points.length / (set_.space === "sphere" ? 3 : 2);
-    return { ...curve, space: set_.space, length, curves: set_.curves.length, notes: set_.notes };
+    return { ...curve, which, space: set_.space, length, curves: set_.curves.length, notes: set_.notes };
   }
   async function open(file) {
     app.clear();
@@ -518,6 +524,8 @@ export function curveTab(app, section) {
       const curve = await read(bytes, file.name);
       big = source = null;
       const next = { space: curve.space, points: [], closed: curve.closed, corners: [], schemes: schemesOf(curve.space), data: 0, notes: curve.notes };
+      // How other programs find these points, as long as they stay as they are.
+      next.file = { name: file.name, which: curve.which, closed: curve.closed, layout: curve.curves === 1 && /\.(csv|tsv|txt)$/i.test(file.name) ? layoutOf(bytes, 2) : null };
       if (curve.curves > 1) next.notes = [`the longest of ${curve.curves} curves of the file`, ...next.notes];
       if (curve.length > MAX_EDITED) {
         next.data = app.keep(file.name, bytes);
@@ -580,19 +588,49 @@ export function curveTab(app, section) {
     inspect: () => ({ state, results, given, view: state.points.map((p) => view.screen(p)) }),
     commands() {
       const scheme = full(state.schemes[0] ?? "learned");
-      const few = state.points.length > 0 && state.points.length <= 60 && !state.corners.length;
-      const degrees = state.space === "sphere";
-      const header = `${degrees ? "lon,lat" : "x,y"}${state.corners.length ? ",corner" : ""}`;
-      const rows = state.points.map((p, i) => [...p, ...(state.corners.length ? [Number(state.corners.includes(i))] : [])].join(",")).join("\n");
-      const data = state.points.length && state.points.length <= 60 ? `cat > curve.csv <<'END'\n${state.space === "disk" ? "# space: disk\n" : ""}${state.closed ? "# closed\n" : ""}${header}\n${rows}\nEND\n` : "";
-      const end = state.closed ? "" : ` --ends ${state.ends}`;
-      const c = { plane: "bat_euclidean(2)", sphere: "bat_sphere(2)", disk: "bat_disk()" }[state.space];
-      const values = few ? state.points.slice(0, 8).flatMap((p) => (degrees ? toUnit(p).map((v) => Number(v.toFixed(6))) : p)).join(", ") + (state.points.length > 8 ? ", …" : "") : "…";
-      return {
-        shell: `${data}batten curve curve.csv --scheme ${scheme} --levels ${state.levels}${end} -o fine.csv --picture fine.png${state.comb ? " --comb" : ""}`,
-        c: `const bat_space space = ${c};\ndouble points[] = {${values}};\nconst bat_curve coarse = {\n    .space = &space, .points = points, .count = ${state.points.length}, .closed = ${state.closed}};\nbat_curve_refine_options options = bat_curve_refine_defaults();\nbat_error error;\nbat_curve fine = {0};\noptions.levels = ${state.levels};${state.closed ? "" : `\noptions.ends = ${enumerator("curve_end_rule", state.ends)};`}\nbat_curve_scheme_by_name("${scheme}", &options.scheme, &error);\nif (bat_curve_refine(&coarse, &options, &fine, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);\nbat_curve_free(&fine);`,
-        python: `import batten\n\npoints = [${few ? state.points.slice(0, 6).map((p) => `[${(degrees ? toUnit(p).map((v) => Number(v.toFixed(6))) : p).join(", ")}]`).join(", ") + (state.points.length > 6 ? ", ..." : "") : "..."}]\nfine = batten.refine(points, space="${state.space}", closed=${state.closed ? "True" : "False"},\n                     scheme="${scheme}", levels=${state.levels}${state.closed ? "" : `, ends="${state.ends}"`})`,
-      };
+      const { file, closed: ring, levels: depth, corners } = state;
+      const name = big ? source.space : state.space; // a large file is read as it is
+      const degrees = name === "sphere";
+      const few = !big && state.points.length <= MAX_LITERAL && !corners.length;
+      // What is not in the user's file goes into a small one.
+      const own = file && !corners.length && (big || !few) ? file : null;
+      const header = `${name === "disk" ? "# space: disk\n" : ""}${ring ? "# closed\n" : ""}${degrees ? "lon,lat" : "x,y"}${corners.length ? ",corner" : ""}`;
+      const rows = own ? [] : state.points.map((p, i) => [...p, ...(corners.length ? [Number(corners.includes(i))] : [])].join(","));
+      const given = own?.name ?? "curve.csv";
+      const turned = own && own.closed !== ring;
+      const end = ring ? "" : ` --ends ${state.ends}`;
+      const shell = `${own ? "" : `cat > curve.csv <<'END'\n${header}\n${rows.join("\n")}\nEND\n`}batten curve ${shellName(given)}${turned ? (ring ? " --closed" : " --open") : ""} --scheme ${scheme} --levels ${depth}${end} -o fine.csv --picture fine.png${state.comb ? " --comb" : ""}`;
+
+      const space = { plane: "bat_euclidean(2)", sphere: "bat_sphere(2)", disk: "bat_disk()" }[name];
+      const values = few ? state.points.map((p) => (degrees ? toUnit(p).map((v) => Number(v.toFixed(12))) : p).join(", ")).join(",\n    ") : "";
+      const at = `set.curves[${own?.which ?? 0}]`;
+      const c = [
+        ...(few
+          ? [`const bat_space space = ${space};`, `double points[] = {\n    ${values}};`, `const bat_curve coarse = {\n    .space = &space, .points = points, .count = ${state.points.length}, .closed = ${ring}};`]
+          : ["bat_curve_set set = {0};"]),
+        "bat_curve fine = {0};",
+        "bat_error error;",
+        "bat_curve_refine_options options = bat_curve_refine_defaults();",
+        `options.levels = ${depth};`,
+        ...(ring ? [] : [`options.ends = ${enumerator("curve_end_rule", state.ends)};`]),
+        `bat_status status = bat_curve_scheme_by_name("${scheme}", &options.scheme, &error);`,
+        ...(few ? [] : ["if (status == BAT_OK)", `    status = bat_curve_read(${quoted(given)}, NULL, &set, &error);`]),
+        ...(turned ? ["if (status == BAT_OK)", `    ${at}.closed = ${ring};`] : []),
+        "if (status == BAT_OK)",
+        `    status = bat_curve_refine(&${few ? "coarse" : at}, &options, &fine, &error);`,
+        "if (status != BAT_OK)",
+        '    fprintf(stderr, "%s\\n", error.text);',
+        "bat_curve_free(&fine);",
+        ...(few ? [] : ["bat_curve_set_free(&set);"]),
+      ];
+
+      let [packages, read] = [[], `points = [${state.points.map((p) => `[${p.join(", ")}]`).join(", ")}]`];
+      if (own && !own.layout) [packages, read] = longestIn(own.name, own.closed);
+      else if (!few) [packages, read] = [["np"], `points = ${loadtxt(given, own?.layout ?? { skip: header.split("\n").length, delimiter: ",", columns: [0, 1] })}`];
+      if (corners.length) read += `\ncorners = ${loadtxt(given, { skip: header.split("\n").length, delimiter: ",", columns: [2] }).replace("(2)", "2")}`;
+      const settings = [`space="${name}"`, `closed=${ring ? "True" : "False"}`, ...(corners.length ? ["corners=corners"] : [])].join(", ");
+      const python = `${imports(packages)}\n\n${read}\n${degrees ? "points = batten.from_lonlat(points)\n" : ""}fine = batten.refine(points, ${settings},\n                     scheme="${scheme}", levels=${depth}${ring ? "" : `, ends="${state.ends}"`})`;
+      return { shell, c: c.join("\n"), python };
     },
   };
 }

@@ -1,6 +1,7 @@
 // Maps: a GeoJSON file before and after, and where its borders would have torn.
 import { geoArea, geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
 import { check, color, digits, download, downloads, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
+import { imports, quoted, shapesIn, shellName } from "./code.js";
 import { divider } from "./scene.js";
 import { toDegrees } from "./view.js";
 
@@ -18,6 +19,7 @@ export function mapTab(app, section) {
   let zoom = { k: 1, x: 0, y: 0 };
   let started = false;
   let focus = -1;
+  let plane = false; // GeoJSON cannot hold the map
   let offered = null; // the file whose formats the buttons offer
   const canvas = h("canvas", { role: "img", "aria-label": "The map before (dashed) and after, with tears marked" });
   const legend = h("div.legend", {}, "");
@@ -36,7 +38,10 @@ export function mapTab(app, section) {
       const tried = bytes;
       const formats = tried === offered || tried.length > MAX_TRIED ? [] : FORMATS.map(([name]) => name);
       result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), formats }, "Refining the map");
-      if (tried !== offered) files.refuse(result.refused);
+      if (tried !== offered) {
+        files.refuse(result.refused);
+        plane = Boolean(result.refused.geojson);
+      }
       offered = tried;
       app.clear();
       prepare();
@@ -327,9 +332,9 @@ export function mapTab(app, section) {
     },
     inspect: () => ({ state, result }),
     commands: () => ({
-      shell: `batten curve ${file} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --topology separate"}${state.keep_area ? " --keep-area" : ""} -o fine.geojson --picture fine.png`,
-      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.refine.find_corners = true;\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
-      python: `import batten\nimport geopandas\n\ncountries = geopandas.read_file("${file}")\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}, find_corners=True${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.geojson")`,
+      shell: `batten curve ${shellName(file)} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --topology separate"}${state.keep_area ? " --keep-area" : ""} -o fine.${plane ? "wkt" : "geojson"} --picture fine.png`,
+      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read(${quoted(file)}, NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.refine.find_corners = true;\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.${plane ? "wkt" : "geojson"}", &fine, NULL, &error);`,
+      python: `${imports(shapesIn(file)[0])}\n\n${shapesIn(file)[2] ?? ""}countries = ${shapesIn(file)[1]}\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}, find_corners=True${result?.space === "sphere" && /\.(e?wkt|csv|obj)$/i.test(file) ? ', space="sphere"' : ""}${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.${plane ? "gpkg" : "geojson"}")`,
     }),
   };
 }
