@@ -121,17 +121,15 @@ const focus = (point) => page.$eval(`#curve .stage svg circle:nth-of-type(${poin
 const alertText = () => page.$eval("#alert", (box) => box.textContent);
 
 /** Drop a file onto the page. */
-async function drop(path, text) {
-  const name = path.split("/").pop();
-  const bytes = [...(text === undefined ? readFileSync(path) : Buffer.from(text))];
+const drop = (path, text) => dropAll([path, text]);
+async function dropAll(...files) {
   await page.evaluate(
-    (fileName, content) => {
+    (list) => {
       const transfer = new DataTransfer();
-      transfer.items.add(new File([new Uint8Array(content)], fileName));
+      for (const [name, content] of list) transfer.items.add(new File([new Uint8Array(content)], name));
       document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
     },
-    name,
-    bytes,
+    files.map(([path, text]) => [path.split("/").pop(), [...(text === undefined ? readFileSync(path) : Buffer.from(text))]]),
   );
 }
 
@@ -537,6 +535,18 @@ async function runShown(where) {
   execFileSync("gcc", ["-std=c11", "-fsyntax-only", "-Wall", "-Werror", `-I${join(source, "include")}`, `-I${join(program, "../include")}`, "shown.c"], { cwd: where, stdio: "pipe" });
   return { shell, c, python };
 }
+
+test("several files go to their tabs, and what finds no place is told", async () => {
+  await open();
+  await until("results.length === 2");
+  const cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  await dropAll(["a.csv", "x,y\n0,0\n1,1\n2,0\n"], ["body.obj", cube], ["b.csv", "x,y\n0,0\n5,5\n2,0\n"], ["photo.dat", "\0\0"]);
+  await told(/^batten: b\.csv: not opened, because the tab Curve shows one file, now a\.csv\nbatten: photo\.dat: this page reads/);
+  assert.equal(await page.evaluate("window.batten.current()"), "curve");
+  assert.equal(await inspect("JSON.stringify(state.points)"), "[[0,0],[1,1],[2,0]]");
+  await tab("mesh");
+  assert.equal(await inspect("result.before.faces"), 4);
+});
 
 test("what is shown of curves, maps and scans runs, and reads the user's file", async () => {
   const where = mkdtempSync(join(folder, "shown-"));
