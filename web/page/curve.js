@@ -186,7 +186,7 @@ export function curveTab(app, section) {
       view.line(context, result.points, state.closed);
     }
     handles();
-    legend.textContent = `${big ? big.length / 2 : state.points.length} points, dashed; ${state.space === "plane" ? "double-click adds a point" : "drag beside the curve to turn or move"}`;
+    legend.textContent = `${count()} points, dashed; ${state.space === "plane" ? "double-click adds a point" : "drag beside the curve to turn or move"}`;
   }
   const index = (scheme) => Math.max(0, state.schemes.findIndex((name) => full(name) === scheme)) % 8;
 

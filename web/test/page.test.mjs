@@ -343,6 +343,7 @@ test("a large curve changes its space, and undo brings the file back", async () 
   await open();
   await drop("many.csv", many(6000, "lon,lat"));
   await until('state.space === "sphere" && results[0].points.length > 18000');
+  await page.waitForFunction(() => /^6000 points, dashed/.test(document.querySelector("#curve .legend").textContent), WAIT);
   const first = await inspect("[...results[0].points.slice(0, 3)].join()");
   const onPlane = 'state.space === "plane" && results[0].points[0] > 1.5 && results[0].points.length < 100000';
   await choose("Space", "plane");
