@@ -226,8 +226,8 @@ export function motion(batten, { keys, samples, options }) {
   return { times, ...batten.bat_motion_spline_sample(keys, times, options) };
 }
 
-export function motionFile(batten, { csv, options, format }) {
-  const set = batten.bat_curve_read_memory(csv, { format: "csv" });
+export function motionFile(batten, { bytes, read, options, format }) {
+  const set = batten.bat_curve_read_memory(bytes, read);
   let fine = null;
   try {
     fine = batten.bat_motion_curves(set, options);

@@ -537,6 +537,33 @@ async function runShown(where) {
   return { shell, c, python };
 }
 
+test("a motion of many keyframes is drawn with some marks", async () => {
+  const where = mkdtempSync(join(folder, "motion-"));
+  const flight = (count) => Array.from({ length: count }, (_, i) => `${(i / 20).toFixed(2)} ${(9 * Math.cos(i / 90)).toFixed(4)} ${(9 * Math.sin(i / 70)).toFixed(4)} ${(i / 900).toFixed(4)} 0 0 ${Math.sin(i / 180).toFixed(9)} ${Math.cos(i / 180).toFixed(9)}\n`).join("");
+  await open("#motion");
+  await until("result.points.length > 0");
+  const input = await page.$("#motion input[type=file]");
+  const put = async (count) => {
+    writeFileSync(join(where, `flight${count}.tum`), flight(count));
+    await input.uploadFile(join(where, `flight${count}.tum`));
+    await page.waitForFunction((words) => document.querySelector("#motion table").textContent.includes(words) && document.getElementById("progress").hidden, WAIT, `keyframes${count}`).catch(async () => assert.fail(await alertText()));
+  };
+  await put(100000);
+  await put(6000);
+  await page.waitForFunction(() => document.querySelectorAll("#motion svg circle").length === 120, WAIT);
+  await runShown(where);
+  // Undo and the link bring the file back, and the example its handles.
+  await page.$$eval("#motion button", (all) => all.find((one) => one.textContent === "Example").click());
+  await until("state.keys.length > 2");
+  await page.waitForFunction(() => document.querySelectorAll("#motion svg circle[tabindex]").length === document.querySelectorAll("#motion svg circle").length, WAIT);
+  await page.click("#undo");
+  await page.waitForFunction(() => document.querySelector("#motion table").textContent.includes("keyframes6000"), WAIT);
+  writeFileSync(join(where, "more.tum"), flight(100001));
+  await input.uploadFile(join(where, "more.tum"));
+  await told(/^batten: more\.tum: 100001 keyframes are too many for this page/);
+  await page.waitForFunction(() => document.querySelector("#motion table").textContent.includes("keyframes6000"), WAIT);
+});
+
 test("several files go to their tabs, and what finds no place is told", async () => {
   await open();
   await until("results.length === 2");
