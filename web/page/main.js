@@ -62,6 +62,14 @@ const app = {
     void writeLink();
     app.commands();
   },
+  /** The view of the newest step changed: no step of undo, but a part of the link. */
+  amend(tab, view) {
+    const newest = JSON.parse(past[past.length - 1] ?? "null");
+    if (newest?.tab !== tab || JSON.stringify(newest.state.view) === JSON.stringify(view)) return;
+    newest.state.view = view;
+    past[past.length - 1] = JSON.stringify(newest);
+    void writeLink();
+  },
   commands() {
     if (!tabs[current].commands) return;
     const commands = tabs[current].commands();

@@ -1,5 +1,6 @@
 // The page in Chromium: opened from disk, by mouse, touch and keyboard.
-// Environment: BATTEN, SOURCE; CHROMIUM; PAGE, the file of the page; SHOTS, a folder for screenshots (optional), which are
+// Environment: BATTEN, SOURCE; CHROMIUM; PAGE, the file of the page; BATTEN_PYTHON, a Python with the package,
+// numpy, geopandas and shapely (optional); SHOTS, a folder for screenshots (optional), which are
 // compared with those of docs/images/web.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -562,6 +563,42 @@ test("a motion of many keyframes is drawn with some marks", async () => {
   await input.uploadFile(join(where, "more.tum"));
   await told(/^batten: more\.tum: 100001 keyframes are too many for this page/);
   await page.waitForFunction(() => document.querySelector("#motion table").textContent.includes("keyframes6000"), WAIT);
+});
+
+test("the link of a map has its view", async () => {
+  await open("#map");
+  await until("result.fine.length > 0");
+  const stage = await (await page.$("#map .stage")).boundingBox();
+  await page.mouse.move(stage.x + 300, stage.y + 200);
+  for (let i = 0; i < 5; i++) await page.mouse.wheel({ deltaY: -200 });
+  await until("state.view?.[0] === Number(view[0].toPrecision(6)) && view[0] > 2");
+  await new Promise((resolve) => setTimeout(resolve, 800));
+  const before = await page.evaluate("location.hash");
+  await page.focus("#map .divide");
+  for (let i = 0; i < 7; i++) await page.keyboard.press("ArrowRight");
+  await until("view[3] === 57 && state.view[3] === 57");
+  await page.waitForFunction((old) => location.hash !== old, WAIT, before);
+  const [hash, view] = [await page.evaluate("location.hash"), await inspect("view")];
+  assert.equal(await page.$eval("#undo", (button) => button.disabled), true);
+  await open(hash);
+  await until("result && view[0] > 2");
+  (await inspect("view")).forEach((value, i) => assert.ok(Math.abs(value - view[i]) < 1e-3 * (1 + Math.abs(view[i])), `${i}: ${value} for ${view[i]}`));
+  // A step of undo leaves the view of the same map where it is.
+  await choose("Scheme", "angle-4");
+  await until('state.scheme === "angle-4" && result');
+  await idle();
+  await page.click("#undo");
+  await until('state.scheme === "learned"');
+  assert.ok((await inspect("view[0]")) > 2);
+});
+
+test("stencils fit a narrow page", async () => {
+  await page.setViewport({ width: 390, height: 844 });
+  await open("#analyze");
+  await until("result");
+  await page.waitForFunction(() => ((box) => box && box.querySelector("table") && box.scrollWidth <= box.clientWidth)(document.querySelector("#analyze .column section .scroll")), WAIT).catch(async () => assert.fail(await page.$eval("#analyze .column section .scroll", (box) => `${box.scrollWidth} in ${box.clientWidth}`)));
+  await page.setViewport({ width: 1280, height: 900 });
+  await open();
 });
 
 test("several files go to their tabs, and what finds no place is told", async () => {
