@@ -4,6 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#if defined(_OPENMP) && defined(__linux__)
+#include <sys/auxv.h>
+#include <sys/stat.h>
+#endif
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -79,6 +83,16 @@ static void return_large_arrays(void)
 }
 
 #if defined(_OPENMP) && defined(__linux__)
+/// Whether /proc/self/exe is this program. It is the loader where a user starts that (`ld.so batten ...`), which the kernel
+/// then gives no loader of its own, and the emulator under QEMU, which is another file than the one that it executes.
+static bool can_begin_anew(void)
+{
+    const char *started = (const char *)getauxval(AT_EXECFN);
+    struct stat program, process;
+    return started != NULL && getauxval(AT_BASE) != 0 && stat(started, &program) == 0 &&
+           stat("/proc/self/exe", &process) == 0 && program.st_dev == process.st_dev && program.st_ino == process.st_ino;
+}
+
 /// Let threads that wait for others spin for some microseconds only, unless the environment says how they wait. The default
 /// of OpenMP's runtimes, 10 to 200 ms, costs several times the work where other programs have the processors. The runtimes
 /// read this once, before main(), so that the program begins anew.
@@ -88,7 +102,7 @@ static void wait_briefly(char **argv)
     for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++)
         if (getenv(NAMES[k]) != NULL)
             return;
-    if (setenv("GOMP_SPINCOUNT", "1000", 0) == 0 && setenv("KMP_BLOCKTIME", "0", 0) == 0)
+    if (can_begin_anew() && setenv("GOMP_SPINCOUNT", "1000", 0) == 0 && setenv("KMP_BLOCKTIME", "0", 0) == 0)
         (void)execv("/proc/self/exe", argv);
 }
 #endif
