@@ -10,8 +10,17 @@ else()
   set(BATTEN_COMPATIBILITY SameMajorVersion)
 endif()
 
-if(CMAKE_SYSTEM_NAME STREQUAL Linux AND CMAKE_LINKER AND CMAKE_OBJCOPY)
+if(CMAKE_SYSTEM_NAME STREQUAL Linux AND CMAKE_OBJCOPY)
   set(BATTEN_HAS_BINUTILS ON)
+endif()
+
+# The compiler knows the linker for the machine that it compiles for, where it is told that machine.
+separate_arguments(machine_flags UNIX_COMMAND "${CMAKE_C_FLAGS}")
+list(FILTER machine_flags INCLUDE REGEX "^(-m|--target=|-fuse-ld=|-B)")
+separate_arguments(compiler_words UNIX_COMMAND "${CMAKE_C_COMPILER_ARG1}")
+set(BATTEN_JOIN ${CMAKE_C_COMPILER} ${compiler_words} ${machine_flags} -r -nostdlib)
+if(CMAKE_C_COMPILER_TARGET)
+  list(APPEND BATTEN_JOIN ${CMAKE_C_COMPILE_OPTIONS_TARGET}${CMAKE_C_COMPILER_TARGET})
 endif()
 
 # An archive has no notion of a hidden name: internal functions could clash with a user's. So its objects are joined to one,
@@ -24,7 +33,7 @@ function(batten_static_library target objects)
     set(joined ${PROJECT_BINARY_DIR}/${target}.o)
     add_custom_command(
       OUTPUT ${joined}
-      COMMAND ${CMAKE_LINKER} -r -o ${joined} $<TARGET_OBJECTS:${objects}> ${more_ARCHIVE}
+      COMMAND ${BATTEN_JOIN} -o ${joined} $<TARGET_OBJECTS:${objects}> ${more_ARCHIVE}
       COMMAND ${CMAKE_OBJCOPY} --localize-hidden ${more_OPTIONS} ${joined}
       DEPENDS ${objects} $<TARGET_OBJECTS:${objects}> ${more_ARCHIVE}
       COMMENT "Joining the objects of the static library ${target}"
