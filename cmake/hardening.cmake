@@ -11,6 +11,10 @@ if(NOT BATTEN_HARDENED OR EMSCRIPTEN OR BATTEN_SANITIZED)
 endif()
 
 include(CheckCCompilerFlag)
+if(CMAKE_C_COMPILER_ID MATCHES Clang)
+  # It takes flags that mean nothing on the machine, with a warning.
+  set(CMAKE_REQUIRED_FLAGS -Werror=unused-command-line-argument)
+endif()
 foreach(flag -fstack-protector-strong -fstack-clash-protection -fcf-protection=full)
   string(MAKE_C_IDENTIFIER "BATTEN_HAS${flag}" known)
   check_c_compiler_flag(${flag} ${known})
@@ -18,6 +22,7 @@ foreach(flag -fstack-protector-strong -fstack-clash-protection -fcf-protection=f
     target_compile_options(batten_settings INTERFACE ${flag})
   endif()
 endforeach()
+unset(CMAKE_REQUIRED_FLAGS)
 # Checks of buffers need an optimizing compiler. Some compilers define the macro themselves.
 target_compile_options(batten_settings INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3>)
 if(CMAKE_SYSTEM_NAME STREQUAL Linux)
