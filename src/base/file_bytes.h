@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/text_buffer.h"
-#include "batten/base.h"
 
 /// A pipe with more bytes than this is refused, since it may never end.
 #define FILE_MAX_BYTES (1ULL << 32)

@@ -8,7 +8,6 @@
 #include "curve/corner.h"
 #include "curve/parametric.h"
 #include "curve/topology/draw_back.h"
-#include "linalg/vector.h"
 
 #include <limits.h>
 #include <math.h>

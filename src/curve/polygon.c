@@ -1,7 +1,6 @@
 #include "curve/polygon.h"
 
 #include "base/error.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <float.h>

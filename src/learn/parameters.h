@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/base.h"
 #include "learn/real.h"
 #include "learn/safetensors.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/text_buffer.h"
-#include "batten/base.h"
 
 #include <string.h>
 

@@ -1,7 +1,5 @@
 #include "linalg/blas.h"
 
-#include "batten/base.h"
-
 #include <stddef.h>
 
 // The inner loop runs over contiguous numbers in vector instructions.

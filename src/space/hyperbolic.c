@@ -1,4 +1,3 @@
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <float.h>

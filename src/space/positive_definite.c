@@ -1,5 +1,4 @@
 #include "linalg/symmetric.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <float.h>

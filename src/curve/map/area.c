@@ -4,7 +4,6 @@
 #include "base/threads.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 #include "space/degrees.h"
 

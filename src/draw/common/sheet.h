@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/text_buffer.h"
-#include "batten/base.h"
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 #include "draw/curve/view.h"

@@ -1,7 +1,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/curve/scene.h"
-#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>

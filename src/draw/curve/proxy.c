@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "curve/polygon.h"
-#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>

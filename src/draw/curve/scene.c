@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "linalg/vector.h"
 
 #include <stdlib.h>
 

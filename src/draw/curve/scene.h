@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/base.h"
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 #include "draw/common/style.h"

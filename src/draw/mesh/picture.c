@@ -6,7 +6,6 @@
 #include "draw/common/sheet.h"
 #include "draw/common/style.h"
 #include "draw/mesh/shade.h"
-#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>

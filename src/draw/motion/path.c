@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "draw/common/sheet.h"
 #include "draw/common/ticks.h"
-#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdio.h>

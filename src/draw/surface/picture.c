@@ -4,7 +4,6 @@
 #include "draw/common/legend.h"
 #include "draw/common/sheet.h"
 #include "draw/surface/scene.h"
-#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "draw/common/sheet.h"
-#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

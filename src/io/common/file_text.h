@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/error.h"
-#include "batten/base.h"
 #include "io/common/number_text.h"
 
 #include <string.h>

@@ -2,7 +2,6 @@
 
 #include "base/json_scan.h"
 #include "base/text_buffer.h"
-#include "batten/base.h"
 
 #include <jansson.h>
 

@@ -1,4 +1,3 @@
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/threads.h"
 #include "io/common/file_text.h"

@@ -1,6 +1,5 @@
 #include "io/curve/geojson.h"
 
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "io/curve/formats.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/array_grow.h"
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
 #include "io/curve/stitch.h"

@@ -1,4 +1,3 @@
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "io/common/number_text.h"

@@ -1,6 +1,5 @@
 #include "io/curve/stitch.h"
 
-#include "base/array_grow.h"
 #include "base/bisect.h"
 #include "base/memory.h"
 #include "curve/polygon.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/base.h"
 #include "curve/curve_attributes.h"
 #include "io/curve/geojson.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/array_grow.h"
 #include "batten/mesh_file.h"
 #include "io/mesh/formats.h"
 #include "mesh/hash_table.h"

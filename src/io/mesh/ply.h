@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/array_grow.h"
 #include "base/text_buffer.h"
 #include "io/common/file_text.h"
 #include "io/mesh/builder.h"

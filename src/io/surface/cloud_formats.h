@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/array_grow.h"
 #include "batten/cloud_file.h"
 #include "io/common/file_text.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/memory.h"
-#include "batten/base.h"
 #include "batten/mesh.h"
 
 /// @file

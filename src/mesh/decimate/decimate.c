@@ -4,7 +4,6 @@
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
-#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"

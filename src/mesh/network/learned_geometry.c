@@ -1,7 +1,6 @@
 #include "mesh/network/learned_network.h"
 
 #include "base/threads.h"
-#include "linalg/vector.h"
 #include "mesh/refine/level.h"
 
 #include <float.h>

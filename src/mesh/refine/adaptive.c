@@ -3,7 +3,6 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector.h"
 #include "mesh/labels.h"
 
 #include <math.h>

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/mesh_refine.h"
-#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>

@@ -10,8 +10,8 @@
 /// the sagitta of an arc through them. The reach of flat faces and, on a solid, of sharp edges is 0.
 ///
 /// A flat face is a set of three or more coplanar triangles. Two coplanar triangles are a flat face too, unless they are one
-/// of many facets of a smooth surface, beside neighbours of comparable height. A solid is a connected piece with sharp edges.
-/// Half of its vertices or more are on flat faces, or hardly an edge has an angle between sharp and smooth.
+/// of many facets of a smooth surface, beside neighbours of comparable height. A solid is a connected piece with sharp
+/// edges. Half of its vertices or more are on flat faces, or hardly an edge has an angle between sharp and smooth.
 
 /// Radians: an edge of a solid is sharp where faces meet at a greater angle. Prisms of up to eleven sides are not round.
 #define BRAKE_SHARP 0.5235987755982988

@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "base/option.h"
 #include "base/threads.h"
 #include "batten/mesh_transfer.h"
-#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"

@@ -2,7 +2,6 @@
 #include "base/memory.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_transfer.h"
-#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/decimate/map.h"
 #include "mesh/hash_table.h"

@@ -16,7 +16,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
-#include "linalg/vector.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 

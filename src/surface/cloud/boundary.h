@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/base.h"
 #include "batten/cloud.h"
 #include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"

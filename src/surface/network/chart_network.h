@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/base.h"
 #include "batten/cloud.h"
 
 #include "batten/cloud_parameterize.h"

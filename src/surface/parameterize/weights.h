@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/memory.h"
-#include "batten/base.h"
 #include "batten/cloud.h"
 #include "batten/cloud_parameterize.h"
 #include "linalg/multifrontal.h"

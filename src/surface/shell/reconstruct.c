@@ -11,7 +11,6 @@
 #include "base/progress.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_refine.h"
-#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/refine/sharpness.h"
 #include "mesh/sides.h"
