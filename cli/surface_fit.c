@@ -231,15 +231,16 @@ const char *surface_verdict(const bat_surface_verdict *verdict)
                                          "right, but it leaves the tangent planes of the points beside it",
                                          "right, but neighbours on its outline are far apart",
                                          "right, but points are sparse at its outline, so that the shape may go on",
-                                         "right, but a gap between points is closed",
-                                         "right, but a point lies far off and bends it (see --robust)"};
+                                         "right, but a gap between points is closed (see --trim, --close-gaps)",
+                                         "right, but a point lies far off and bends it (see --robust)",
+                                         "right, but it may cover gaps or noise: --trim gives a smaller surface"};
     return verdict->fault == BAT_SURFACE_FAULT_NONE ? DOUBTS[verdict->doubt] : TEXTS[verdict->fault];
 }
 
 static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
 {
     static const char *const NAMES[] = {"none", "missed", "strays", "folds", "area"};
-    static const char *const DOUBTS[] = {"none", "planes", "outline", "rim", "gap"};
+    static const char *const DOUBTS[] = {"none", "planes", "outline", "rim", "gap", "stray", "area"};
     const double *at = verdict->doubt_place;
     return report_part(
         as_json,
@@ -250,8 +251,8 @@ static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
         "-verdict:s -doubted:b doubt_size:n -x:n -y:n -z:n doubt:s doubt_place:o right:b fault:s distance_from_surface:n "
         "distance_from_points:n farthest:n far_share:n cross_share:n "
         "area:n cloud_area:n spacing:n",
-        surface_verdict(verdict), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE), verdict->doubt_size, at[0], at[1], at[2],
-        DOUBTS[verdict->doubt], report_numbers(at, 3), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
+        surface_verdict(verdict), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE && isfinite(at[0])), verdict->doubt_size,
+        at[0], at[1], at[2], DOUBTS[verdict->doubt], report_numbers(at, 3), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
         NAMES[verdict->fault], verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest,
         verdict->far_share, verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
 }

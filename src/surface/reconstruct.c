@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
-#include "linalg/vector.h"
 #include "surface/candidate.h"
 #include "surface/cloud/boundary.h"
 
@@ -673,6 +672,47 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_reconstr
     return status == BAT_NO_MEMORY || status == BAT_CANCELLED ? error_copy(error, &failure) : BAT_OK;
 }
 
+/// Doubt a right surface that is larger than a trimmed one: it covers gaps that the boundary does not enter, or noise.
+static bat_status doubt_area(const bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                             bat_surface_result *result, bat_error *error)
+{
+    static const double LARGER = 0.03;
+    bat_surface_reconstruct_options trimmed = *options;
+    progress_part part = {options->fit.progress, 0, 0};
+    bat_cloud copy = {0};
+    bat_surface_result other = {0};
+    bat_error failure = {0};
+    bool one_sided;
+    trimmed.trim = true;
+    trimmed.fit.progress = progress_of_part(&part);
+    bat_status status = prepare_copy(cloud, true, FINE_LOOP, trimmed.fit.progress, &copy, &failure);
+    if (status == BAT_OK)
+        status = reconstruct(&copy, &trimmed, 1, false, &other, &one_sided, &failure);
+    bat_surface_verdict *verdict = &result->verdict;
+    double more = status == BAT_OK && other.verdict.fault == BAT_SURFACE_FAULT_NONE ? verdict->area - other.verdict.area : 0;
+    if (more > LARGER * verdict->area && verdict->doubt == BAT_SURFACE_DOUBT_NONE)
+    {
+        verdict->doubt = BAT_SURFACE_DOUBT_AREA;
+        verdict->doubt_size = sqrt(more);
+        verdict->doubt_place[0] = verdict->doubt_place[1] = verdict->doubt_place[2] = NAN;
+    }
+    size_t holes = 0;
+    for (size_t k = 0; status == BAT_OK && k < other.gap_count; k++)
+    {
+        bat_surface_gap gap = other.gaps[k];
+        gap.closed = !gap.closed;
+        if (gap.closed)
+            other.gaps[holes++] = gap;
+    }
+    result->gaps = other.gaps; // holes of the trimmed surface, which this one covers
+    result->gap_count = holes;
+    other.gaps = NULL;
+    doubt_gaps(result);
+    bat_cloud_free(&copy);
+    bat_surface_result_free(&other);
+    return status == BAT_NO_MEMORY || status == BAT_CANCELLED ? error_copy(error, &failure) : BAT_OK;
+}
+
 /// Whether a wrong surface, or none, may become right in another way.
 /// @param finds_boundary whether the boundary was found, or is to be found
 static bool may_help(const bat_cloud *cloud, const bat_surface_reconstruct_options *options, bool finds_boundary,
@@ -716,6 +756,9 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstru
         if (status == BAT_OK && !is_better)
             status = before;
     }
+    if (status == BAT_OK && is_right && finds_boundary && !has_corners && cloud->triangle_count == 0 &&
+        may_help(cloud, options, true, OPEN_GAPS, status))
+        status = doubt_area(cloud, options, &made, &failure);
     if (status == BAT_OK && !is_right && !options->force)
         status = refuse(&made.verdict, options->trim, one_sided, &failure);
     if (status == BAT_OK)

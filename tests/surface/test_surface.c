@@ -458,6 +458,33 @@ static void sparse_outlines_are_doubted(void **state)
     }
 }
 
+/// A surface that covers a slot or a notch is doubted: a trimmed surface of the same points has a hole, or is smaller.
+static void covered_gaps_are_doubted(void **state)
+{
+    (void)state;
+    const bat_surface_doubt expected[] = {BAT_SURFACE_DOUBT_NONE, BAT_SURFACE_DOUBT_GAP, BAT_SURFACE_DOUBT_AREA};
+    for (int kind = 0; kind < 3; kind++)
+    {
+        bat_random random = bat_random_seed(9);
+        bat_cloud cloud = {0};
+        while (cloud.count < 2000)
+        {
+            double u = bat_random_uniform(&random), v = bat_random_uniform(&random), place[3];
+            bool slot = kind == 1 && fabs(u - 0.5) < 0.2 && fabs(v - 0.5) < 0.04;
+            bool notch = kind == 2 && fabs(u - 0.5) < 0.04 && v > 0.4;
+            patch_waves(u, v, place);
+            if (!slot && !notch)
+                add_point(&cloud, place[0], place[1], place[2]);
+        }
+        bat_surface_result result = must_reconstruct(&cloud, NULL);
+        assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
+        assert_int_equal(result.verdict.doubt, expected[kind]);
+        assert_int_equal(result.gap_count, kind == 1);
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+    }
+}
+
 /// One point far off bends a fit by least squares, whose verdict tells it; robust weights leave it out.
 static void strays_are_doubted(void **state)
 {
@@ -539,6 +566,7 @@ int main(void)
         cmocka_unit_test(sparse_points_are_no_fault),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(sparse_outlines_are_doubted),
+        cmocka_unit_test(covered_gaps_are_doubted),
         cmocka_unit_test(strays_are_doubted),
         cmocka_unit_test(what_is_wrong_is_refused),
     };
