@@ -48,7 +48,8 @@ class Motion:
     closed : bool
         Whether the motion is periodic.
     period : float
-        Of a closed motion: the time of a round.
+        Of a closed motion: the time of a round; by default that until a last pose that repeats the first. Such a pose is
+        left out.
     **settings
         Fields of ``bat_motion_spline_options``.
 
@@ -90,6 +91,9 @@ class Motion:
             given = np.where(unknown.reshape(given.shape), np.nan, given) if unknown.any() else given
         if given is not None and len(given) != len(keys):
             raise ValueError(f"velocities: {len(keys)} rows are needed, not {len(given)}")
+        if closed and _returns(self.space, keys):
+            period = period or moments[-1] - moments[0]
+            keys, moments, given = keys[:-1], moments[:-1], given if given is None else given[:-1]
         if closed and not period > moments[-1] - moments[0]:
             raise ValueError(f"period: a closed motion needs one above {moments[-1] - moments[0]}, not {period}")
         kind = lib.BAT_HERMITE_TANGENTS_AUTO if given is None else lib.BAT_HERMITE_TANGENTS_VELOCITIES
@@ -291,6 +295,14 @@ def _onto(space: Space, keys: Floats, project: bool) -> Floats:
         return keys
     _warn(off.max(), project)
     return np.where((off > 1e-12)[:, None], near, keys)
+
+
+def _returns(space: Space, keys: Floats) -> bool:
+    """Whether a closed motion ends with its first point again, up to rounding: the rule of ``bat_motion_data()``."""
+    if len(keys) <= 3:
+        return False
+    apart = space.distance(keys[0], keys[1:])
+    return bool(apart[-1] <= 1e-9 * apart.max())
 
 
 def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:

@@ -93,6 +93,26 @@ def test_closed_motions_and_extrapolation():
         batten.Motion([0, 1], [[0.0], [1.0]])(3.0)
 
 
+def test_a_closing_key_ends_the_period():
+    """A last pose that repeats the first is left out, and its time is the end of the period."""
+    times, square = [0, 1, 2, 3], [[1.0, 0], [0, 1], [-1, 0], [0, -1]]
+    plain, at = batten.Motion(times, square, closed=True, period=4), np.linspace(0, 8, 33)
+    closing = batten.Motion([*times, 4], [*square, square[0]], closed=True)
+    np.testing.assert_array_equal(closing(at), plain(at))
+    assert closing.range == (0, 4) and len(closing.times) == 4 and b"<svg" in closing.picture()
+    later = batten.Motion([*times, 4], [*square, square[0]], closed=True, period=5)
+    np.testing.assert_array_equal(later(at), batten.Motion(times, square, closed=True, period=5)(at))
+    given = np.ones((5, 2))
+    assert batten.Motion([*times, 4], [*square, square[0]], closed=True, velocities=given).velocity(0) == pytest.approx([1, 1])
+    turns = Rotation.from_rotvec(np.array([0, 1, 2, 1, 0])[:, None] * [0, 0, 1])
+    assert batten.Motion([0, 1, 2, 3, 4], turns, closed=True).range == (0, 4)
+    own = batten.Space("positive", 1, exp=lambda p, v: p * np.exp(v), log=lambda p, q: np.log(q / p))
+    assert batten.Motion([0, 1, 2, 4], [[1.0], [4.0], [2.0], [1.0]], space=own, closed=True).range == (0, 4)
+    for keys in (square, [*square, [1.0, 0.1]]):
+        with pytest.raises(ValueError, match="period"):
+            batten.Motion(range(len(keys)), keys, closed=True)
+
+
 def test_pickles_and_pictures():
     motion = batten.Motion([0, 1, 2], Rotation.from_rotvec([[0, 0, 0], [0, 0, 1], [0, 1, 1]]))
     again = pickle.loads(pickle.dumps(motion))
