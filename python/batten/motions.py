@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import functools
+import math
 import os
 import warnings
 from collections.abc import Sequence
@@ -50,6 +51,9 @@ class Motion:
     period : float
         Of a closed motion: the time of a round; by default that until a last pose that repeats the first. Such a pose is
         left out.
+    wrap : float
+        Of R^n: coordinates are angles with this full turn, as 360, and go the shorter way from pose to pose. Results begin
+        at 0, or lie around 0 where a pose is negative.
     **settings
         Fields of ``bat_motion_spline_options``.
 
@@ -71,10 +75,10 @@ class Motion:
     @takes("bat_motion_spline_options")
     def __init__(self, times: Times, poses: Any, *, space: Space | str | None = None,
                  velocities: ArrayLike | None = None, gyro: tuple[Times, ...] | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
-                 **settings: Any) -> None:
+                 wrap: float = 0.0, **settings: Any) -> None:
         closed = flag(closed, "closed")
         self._arguments = (times, poses), dict(space=space, velocities=velocities, gyro=gyro, project=project, closed=closed,
-                                               period=period, **settings)
+                                               period=period, wrap=wrap, **settings)
         self._origin: Any = None  # the first date; False where times are no dates
         keys, self._form, implied = _points(poses, project)
         self.space = space_of(implied if space is None else space, keys.shape[1])
@@ -91,9 +95,14 @@ class Motion:
             given = np.where(unknown.reshape(given.shape), np.nan, given) if unknown.any() else given
         if given is not None and len(given) != len(keys):
             raise ValueError(f"velocities: {len(keys)} rows are needed, not {len(given)}")
+        self._turn, self._low = wrap, -wrap / 2 if (keys < 0).any() else 0.0
         if closed and _returns(self.space, keys):
             period = period or moments[-1] - moments[0]
             keys, moments, given = keys[:-1], moments[:-1], given if given is None else given[:-1]
+        if wrap:
+            keys = _unwrapped(self.space, keys, wrap)
+            if closed and (abs(keys[-1] - keys[0]) > wrap / 2).any():
+                raise ValueError("wrap: angles that turn by a whole round in a period are no closed motion of R^n")
         if closed and not period > moments[-1] - moments[0]:
             raise ValueError(f"period: a closed motion needs one above {moments[-1] - moments[0]}, not {period}")
         kind = lib.BAT_HERMITE_TANGENTS_AUTO if given is None else lib.BAT_HERMITE_TANGENTS_VELOCITIES
@@ -145,8 +154,12 @@ class Motion:
         if isinstance(times, float):  # without what arrays cost
             pose, is_rotation = np.empty(self.space.point_dim), self._form == "Rotation"
             call(lib.batten_pose, self._spline, times, is_rotation, pointer(pose))
-            return _rotation(pose) if is_rotation else _form(pose, self._form)
-        return _form(self._at(times, 0), self._form)
+            return _rotation(pose) if is_rotation else self._formed(pose)
+        return self._formed(self._at(times, 0))
+
+    def _formed(self, points: Floats) -> Any:
+        """Points in the form of the given ones, and in the range of these where they are angles."""
+        return _form(points - self._turn * np.floor((points - self._low) / self._turn) if self._turn else points, self._form)
 
     def velocity(self, times: Times) -> Floats:
         """Velocities: of rotations angular ones in the body's frame; of rigid motions translation, then rotation."""
@@ -158,32 +171,67 @@ class Motion:
 
     @classmethod
     @like("Motion.__init__")
-    def read(cls, path: str | os.PathLike[str], **settings: Any) -> Motion:
+    def read(cls, path: str | os.PathLike[str], *, space: Space | str | None = None, project: bool = False, closed: bool | None = None, period: float = 0.0,
+             format: str = "auto", columns: str | None = None, time_unit: str = "auto", euler: str | None = None,
+             key_times: str | os.PathLike[str] | None = None, **settings: Any) -> Motion:
         """The motion in a file: TUM, EuRoC, KITTI or CSV, with its velocities. Times are seconds, of stamps since 1970.
+
+        What the reader assumes and leaves out comes as a :class:`BattenWarning`.
 
         Parameters
         ----------
+        path : str or path
+            The file.
+        space, project
+            As of :class:`Motion`; by default the space that the file implies.
+        closed, period
+            As of :class:`Motion`; by default as the file tells. Without a period and a last pose that repeats the first, a
+            closed motion goes on one mean step beyond the last pose.
+        format : str
+            By default that of the file's ending; :func:`choices` lists those of ``"curve_format"``.
+        columns : str, optional
+            Of CSV: the columns of the coordinates, as in ``"x,y"``.
+        time_unit : str
+            ``"seconds"``, ``"milliseconds"``, ``"microseconds"`` or ``"nanoseconds"``; by default what names and sizes tell.
+        euler : str, optional
+            Of CSV: the order and the unit of roll, pitch and yaw, as in ``"zyx,degrees"``.
+        key_times : str or path, optional
+            Of KITTI: the file of times.
         **settings
             Those of :class:`Motion`.
         """
-        read, made = options("bat_curve_read_options", {"motion": True}), ffi.new("bat_curve_set *")
+        named = space.name if isinstance(space, Space) and not space.functions else space if isinstance(space, str) else None
+        given: dict[str, Any] = {"space": named, "columns": columns, "euler": euler, "key_times": key_times if key_times is None else os.fspath(key_times)}
+        given = {name: value for name, value in given.items() if value is not None}
+        read = options("bat_curve_read_options", {"motion": True, "project": flag(project, "project"), "format": format, "time_unit": time_unit,
+                                                  "closed": -1 if closed is None else int(flag(closed, "closed")), **given})  # fmt: skip
+        made = ffi.new("bat_curve_set *")
         call_on_file(lib.bat_curve_read, path, read, made)
+        notes: list[str] = []
         keys = ffi.new("bat_hermite_curve *")
-        how = options("bat_motion_curves_options", {"method": "spline"})
+        how = options("bat_motion_curves_options", {"method": "spline", "period": period})
         try:
-            given = lib.bat_motion_has_velocities(made)
-            call(lib.bat_motion_data, made, 0, how, keys)
-            space, origin = Space(ffi.string(made.space.name).decode(), made.space.point_dim), lib.bat_curve_set_time_origin(made)
-            shape = (keys.count, space.point_dim), (keys.count, space.tangent_dim)
-            points, tangents = (np.frombuffer(ffi.buffer(part, 8 * rows * columns)).reshape(rows, columns).copy()
-                                for part, (rows, columns) in zip((keys.points, keys.tangents), shape))
-            times = np.frombuffer(ffi.buffer(keys.times, 8 * keys.count)) + origin
+            while note := lib.bat_curve_set_note(made, len(notes)):
+                notes.append(ffi.string(note).decode(errors="replace"))
+            if made.count > 1:
+                notes.append(f"the file has {made.count} motions; this is the first")
+            has_velocities = lib.bat_motion_has_velocities(made)
+            call_on_file(lambda _, *given: lib.bat_motion_data(*given), path, made, 0, how, keys)
+            where, origin = made.space, lib.bat_curve_set_time_origin(made)
+            points = np.frombuffer(ffi.buffer(keys.points, 8 * keys.count * where.point_dim)).reshape(keys.count, -1).copy()
+            if has_velocities:
+                tangents = np.frombuffer(ffi.buffer(keys.tangents, 8 * keys.count * where.tangent_dim))
+                settings.setdefault("velocities", tangents.reshape(keys.count, -1).copy())
+            times = np.frombuffer(ffi.buffer(keys.times, 8 * keys.count)).copy()
+            if goes_round := bool(keys.closed):
+                period = times[-1] - times[0] + keys.closing_time
+            space = space if isinstance(space, Space) else Space(ffi.string(where.name).decode(), where.point_dim)
         finally:
             lib.bat_hermite_free(keys)
             lib.bat_curve_set_free(made)
-        if given:
-            settings.setdefault("velocities", tangents)
-        return cls(times, points, space=space, **settings)
+        for note in notes:
+            warnings.warn(f"{os.fsdecode(path)}: {note}", BattenWarning, stacklevel=2)
+        return cls(times + origin, points, space=space, project=project, closed=goes_round, period=period, **settings)
 
     def _key_rows(self, values: Any, columns: int) -> Floats:
         return np.frombuffer(ffi.buffer(values, 8 * len(self.times) * columns)).reshape(-1, columns).copy()
@@ -191,7 +239,7 @@ class Motion:
     @property
     def keys(self) -> Any:
         """The poses at the times: those given, or smoothed ones."""
-        return _form(self._key_rows(lib.bat_motion_spline_keys(self._spline).points, self.space.point_dim), self._form)
+        return self._formed(self._key_rows(lib.bat_motion_spline_keys(self._spline).points, self.space.point_dim))
 
     @property
     def deviations(self) -> Floats:
@@ -303,6 +351,19 @@ def _returns(space: Space, keys: Floats) -> bool:
         return False
     apart = space.distance(keys[0], keys[1:])
     return bool(apart[-1] <= 1e-9 * apart.max())
+
+
+def _unwrapped(space: Space, keys: Floats, turn: float) -> Floats:
+    """Angles that go the shorter way from key to key, by the rule of ``bat_motion_data()``."""
+    if space.name not in ("plane", "euclidean") or not 0 < turn < np.inf:
+        what = "a positive number is needed" if space.name in ("plane", "euclidean") else f"is for numbers, not for {space!r}"
+        raise ValueError(f"wrap: {what}")
+    columns = keys.T.tolist()
+    for column in columns:
+        for i in range(1, len(column)):
+            step = (column[i] - column[i - 1]) / turn
+            column[i] -= turn * math.copysign(math.floor(abs(step) + 0.5), step) if math.isfinite(step) else 0.0
+    return np.array(columns).T.copy()
 
 
 def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:

@@ -141,15 +141,73 @@ def test_files_are_read(tmp_path):
     """A trajectory is read with its stamps, and one with velocities keeps these."""
     path = tmp_path / "a.txt"
     path.write_text("1311868171.131477 0 0 0 0 0 0 1\n1311868172.331406 1 0 0 0 0 0 1\n1311868173 1 1 0 0 0 0.6 0.8\n")
-    motion = batten.Motion.read(path)
+    with pytest.warns(batten.BattenWarning, match="a.txt: a TUM trajectory"):
+        motion = batten.Motion.read(path)
     assert motion.space.name == "rigid" and abs(motion.times[0] - 1311868171.131477) < 1e-6
     assert np.allclose(motion(motion.times[1])[:3], [1, 0, 0])
     table = tmp_path / "b.csv"
     table.write_text("time_ns,x,y,vx,vy\n0,0,0,1,0\n1000000000,1,0,-2,0\n")
-    motion = batten.Motion.read(table)
+    with pytest.warns(batten.BattenWarning, match="nanoseconds"):
+        motion = batten.Motion.read(table)
     assert np.allclose(motion.velocity([0, 1])[:, 0], [1, -2]) and motion.range == (0, 1)
     with pytest.raises(OSError):
         batten.Motion.read(tmp_path / "none.csv")
+
+
+def test_files_are_read_as_the_program_reads_them(tmp_path):
+    """Options of the reader, closed motions, and every note as a warning."""
+    def written(name, text):
+        (tmp_path / name).write_text(text)
+        return tmp_path / name
+
+    long = written("long.tum", "1 0 0 0 0 0 0 2\n2 1 0 0 0 0 0 2\n3 2 0 1 0 0 0 2\n")
+    with pytest.raises(batten.BattenError, match="project"):
+        batten.Motion.read(long)
+    assert batten.Motion.read(long, project=True)(2.0) == pytest.approx([1, 0, 0, 1, 0, 0, 0])
+    twice = written("twice.tum", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 2 0 1 0 0 0 1\n")
+    with pytest.warns(batten.BattenWarning, match="twice.tum: 1 row has the time of the row before"):
+        assert len(batten.Motion.read(twice).times) == 3
+    more = written("more.csv", "time,x,y,temperature\n0,0,0,20\n1,1,0,21\n2,1,1,22\n")
+    with pytest.warns(batten.BattenWarning, match="temperature"):
+        batten.Motion.read(more)
+    bare = written("bare.csv", "time,x,y\n0,0,0\n1,1,0\n2,1,1\n")
+    assert batten.Motion.read(bare, columns="y,x")(1.0) == pytest.approx([0, 1])
+    closed = written("closed.csv", "time,x,y\n0,1,0\n1,0,1\n2,-1,0\n3,0,-1\n4,1,0\n")
+    assert batten.Motion.read(closed, closed=True).range == (0, 4) and len(batten.Motion.read(closed).times) == 5
+    assert batten.Motion.read(closed, closed=True, period=5).range == (0, 5)
+    told = written("told.csv", "# closed\ntime,x,y\n0,1,0\n1,0,1\n2,-1,0\n3,0,-1\n")
+    assert batten.Motion.read(told).range == (0, 4) and batten.Motion.read(told, closed=False).range == (0, 3)
+    ticks = written("ticks.csv", "time,x,y\n0,0,0\n1000,1,0\n2000,4,1\n")
+    with pytest.warns(batten.BattenWarning, match="milliseconds"):
+        assert batten.Motion.read(ticks, time_unit="milliseconds").range == (0, 2)
+    angles = written("angles.csv", "time,roll,pitch,yaw\n0,0,0,0\n1,0,0,90\n2,0,0,170\n")
+    with pytest.raises(batten.BattenError):
+        batten.Motion.read(angles)
+    with pytest.warns(batten.BattenWarning, match="degrees"):
+        assert batten.Motion.read(angles, euler="zyx,degrees")(1.0) == pytest.approx([0.5**0.5, 0, 0, 0.5**0.5])
+    kitti, times = written("k.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"), written("times.txt", "0\n0.5\n")
+    with pytest.warns(batten.BattenWarning, match="camera"):
+        assert batten.Motion.read(kitti, format="kitti", key_times=times).range == (0, 0.5)
+    heading = written("heading.csv", "time,yaw\n0,350\n1,10\n2,20\n")
+    with pytest.warns(batten.BattenWarning, match="yaw"):
+        assert batten.Motion.read(heading, wrap=360)([0, 0.9, 1])[:, 0] == pytest.approx([350, 8, 10], abs=2)
+    with pytest.raises(batten.BattenError, match="unit"):
+        batten.Motion.read(ticks, time_unit="weeks")
+
+
+def test_angles_go_the_shorter_way():
+    """Headings wrap, as with the program's option: in the range of the keys, with velocities that do not jump."""
+    motion = batten.Motion([0, 1, 2], [[350.0], [370.0], [30.0]], wrap=360)
+    assert motion([0.0, 0.5, 1, 1.5])[:, 0] == pytest.approx([350, 0, 10, 20]) and motion.keys[:, 0] == pytest.approx([350, 10, 30])
+    assert motion.velocity(0.5) == pytest.approx(20) and motion(1.25) == pytest.approx(15)
+    around = batten.Motion([0, 1], [[170.0], [-170.0]], wrap=360)
+    assert around([0.25, 0.75])[:, 0] == pytest.approx([175, -175])
+    assert pickle.loads(pickle.dumps(around))(0.25) == pytest.approx(175)
+    for settings in (dict(space="rotation", wrap=360), dict(wrap=-1)):
+        with pytest.raises(ValueError, match="wrap"):
+            batten.Motion([0, 1], [[1.0, 0, 0, 0], [0.8, 0.6, 0, 0]], **settings)
+    with pytest.raises(ValueError, match="wrap"):
+        batten.Motion([0, 1, 2, 3, 4], [[0.0], [90], [180], [270], [0]], wrap=360, closed=True)
 
 
 def test_the_noise_is_found(random):
