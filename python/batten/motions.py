@@ -33,8 +33,9 @@ class Motion:
         Increasing numbers, or dates and durations of Python, numpy or pandas, which count in seconds.
     poses : array_like, or Rotation or RigidTransform of scipy.spatial.transform
         Rows of points of the space: unit quaternions (w, x, y, z) for rotations; translation and quaternion, 7 numbers, for
-        rigid motions. Matrices (n, 3, 3) are rotations, and (n, 4, 4) rigid motions. Results have the same form. Rounded
-        points move onto the space, with a warning from 1e-3 on.
+        rigid motions. Matrices (n, 3, 3) are rotations, and (n, 4, 4) rigid motions, unless `space` says otherwise: with
+        ``"spd"`` square matrices are tensors, with R^n any numbers. An array (n,) is a motion on the line. Results have the
+        same form. Rounded points move onto the space, with a warning from 1e-3 on.
     space : Space or str, optional
         By default what `poses` are: rotations and matrices tell; else R^n. ``"rotation"`` and ``"rigid"`` take quaternions.
     velocities : array_like, optional
@@ -80,7 +81,7 @@ class Motion:
         self._arguments = (times, poses), dict(space=space, velocities=velocities, gyro=gyro, project=project, closed=closed,
                                                period=period, wrap=wrap, **settings)
         self._origin: Any = None  # the first date; False where times are no dates
-        keys, self._form, implied = _points(poses, project)
+        keys, self._form, implied = _points(poses, project, space)
         self.space = space_of(implied if space is None else space, keys.shape[1])
         keys = _onto(self.space, keys, project)
         moments = self._seconds(times)
@@ -90,6 +91,7 @@ class Motion:
         given: Any = velocities
         if velocities is not None:
             raw = unmasked(velocities, "velocities")
+            raw = raw[:, None] if self._form == "numbers" and raw.ndim == 1 else raw
             unknown = np.isnan(raw) if raw.dtype.kind == "f" else np.zeros(raw.shape, bool)
             given = array(np.where(unknown, 0, raw), "velocities", self.space.tangent_dim)
             given = np.where(unknown.reshape(given.shape), np.nan, given) if unknown.any() else given
@@ -161,13 +163,17 @@ class Motion:
         """Points in the form of the given ones, and in the range of these where they are angles."""
         return _form(points - self._turn * np.floor((points - self._low) / self._turn) if self._turn else points, self._form)
 
+    def _tangents(self, rows: Floats) -> Floats:
+        """Rows for each number of a velocity; numbers where poses are numbers."""
+        return rows[..., 0][()] if self._form == "numbers" else rows  # type: ignore[no-any-return]
+
     def velocity(self, times: Times) -> Floats:
         """Velocities: of rotations angular ones in the body's frame; of rigid motions translation, then rotation."""
-        return self._at(times, 1)
+        return self._tangents(self._at(times, 1))
 
     def acceleration(self, times: Times) -> Floats:
         """Accelerations, the covariant derivatives of the velocities."""
-        return self._at(times, 2)
+        return self._tangents(self._at(times, 2))
 
     @classmethod
     @like("Motion.__init__")
@@ -249,14 +255,14 @@ class Motion:
     @property
     def uncertainties(self) -> Floats:
         """The standard deviations of the smoothed poses, for each number of a velocity."""
-        return self._key_rows(lib.bat_motion_spline_keys(self._spline).uncertainties, self.space.tangent_dim)
+        return self._tangents(self._key_rows(lib.bat_motion_spline_keys(self._spline).uncertainties, self.space.tangent_dim))
 
     def uncertainty(self, times: Times) -> Floats:
         """The standard deviations of a smoothed motion at times, for each number of a velocity."""
         moments = self._seconds(times)
         made = np.empty((*moments.shape, self.space.tangent_dim))
         call(lib.bat_motion_spline_uncertainty, self._spline, pointer(moments), moments.size, pointer(made))
-        return made
+        return self._tangents(made)
 
     @property
     def noise(self) -> tuple[float, float]:
@@ -366,14 +372,34 @@ def _unwrapped(space: Space, keys: Floats, turn: float) -> Floats:
     return np.array(columns).T.copy()
 
 
-def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:
+def _triangles(tensors: Floats, project: bool) -> Floats:
+    """The upper triangles of symmetric matrices."""
+    turned = tensors.swapaxes(1, 2)
+    off = abs(tensors - turned).max(axis=(1, 2), initial=0.0)
+    bad = off > 1e-6 * abs(tensors).max(axis=(1, 2), initial=0.0)
+    if bad.any() and not project:
+        raise InvalidPoint(f"poses: matrix {np.flatnonzero(bad)[0]} is not symmetric; project=True takes the mean with its transpose")
+    rows, columns = np.triu_indices(tensors.shape[1])
+    return np.ascontiguousarray(((tensors + turned) / 2)[:, rows, columns])
+
+
+def _points(poses: Any, project: bool, space: Space | str | None) -> tuple[Floats, Any, str | None]:
     """Rows of points, the form that they came in, and the space that it implies."""
     if hasattr(poses, "as_matrix") and hasattr(poses, "translation"):  # RigidTransform of scipy
-        return _points(np.atleast_3d(poses.as_matrix()).reshape(-1, 4, 4), project)[0], "RigidTransform", "rigid"
+        return _points(np.atleast_3d(poses.as_matrix()).reshape(-1, 4, 4), project, None)[0], "RigidTransform", "rigid"
     if hasattr(poses, "as_quat"):
         return array(np.atleast_2d(poses.as_quat())[:, [3, 0, 1, 2]], "poses", 4), "Rotation", "rotation"
     given = unmasked(poses, "poses")
-    if given.ndim != 3 or given.shape[1:] not in ((3, 3), (4, 4)):
+    name = space.name if isinstance(space, Space) else space
+    if given.ndim == 1:
+        return array(given, "poses", None)[:, None], "numbers", None
+    if given.ndim == 3 and name == "spd" and given.shape[1] == given.shape[2]:
+        return _triangles(array(given, "poses", None), project), "tensors", "spd"
+    if given.ndim == 3 and name not in (None, "rotation", "rigid", "spd"):
+        return array(given, "poses", None).reshape(len(given), -1), given.shape[1:], None
+    if given.ndim == 3 and given.shape[1:] not in ((3, 3), (4, 4)):
+        raise ValueError(f"poses: a space is needed for arrays of shape {given.shape}, as space='spd' for tensors")
+    if given.ndim != 3:
         return array(poses, "poses", 0), "points", None
     matrices, rows = array(given[:, :3, :3].reshape(-1, 9), "poses", 9), np.empty((len(given), 4))
     again = np.empty_like(matrices)
@@ -382,7 +408,7 @@ def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:
         lib.bat_rotation_to_matrix(pointer(rows[i]), pointer(again[i]))
     off = abs(again - matrices).max(initial=0.0)
     if off > _FAR and not project:
-        raise InvalidPoint(f"poses: a matrix is {off:.2g} off an orthogonal one; project=True takes the nearest rotation")
+        raise InvalidPoint(f"poses: a matrix is {off:.2g} off an orthogonal one; project=True takes the nearest rotation, space='spd' takes tensors")
     _warn(off, project)
     if given.shape[1] == 3:
         return rows, "matrices", "rotation"
@@ -417,9 +443,19 @@ def _rotation(quaternion: Floats) -> Any:
     return made
 
 
-def _form(points: Floats, form: str) -> Any:
+def _form(points: Floats, form: Any) -> Any:
     if form == "points":
         return points
+    if form == "numbers":
+        return points[..., 0][()]
+    if isinstance(form, tuple):
+        return points.reshape(*points.shape[:-1], *form)
+    if form == "tensors":
+        side = math.isqrt(2 * points.shape[-1])
+        rows, columns = np.triu_indices(side)
+        tensors = np.empty((*points.shape[:-1], side, side))
+        tensors[..., rows, columns] = tensors[..., columns, rows] = points
+        return tensors
     quaternions = points[..., -4:]
     from scipy.spatial.transform import Rotation
 

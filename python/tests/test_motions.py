@@ -59,6 +59,46 @@ def test_forms_of_poses(random):
         batten.Motion(times, rotations.as_matrix() * 1.1)
 
 
+def test_a_named_space_decides_the_form(random):
+    """Square matrices are tensors where the space says so, and numbers are a motion on the line."""
+    for side in (2, 3, 4):
+        roots = random.normal(size=(5, side, side))
+        tensors, at = roots @ roots.swapaxes(1, 2) + np.eye(side), np.linspace(0, 4, 9)
+        rows, columns = np.triu_indices(side)
+        motion = batten.Motion(range(5), tensors, space="spd")
+        plain = batten.Motion(range(5), tensors[:, rows, columns], space="spd")
+        assert motion.space.point_dim == side * (side + 1) // 2 and motion(0.5).shape == (side, side)
+        np.testing.assert_array_equal(motion(at)[:, rows, columns], plain(at))
+        np.testing.assert_array_equal(motion(at), motion(at).swapaxes(1, 2))
+        np.testing.assert_allclose(motion.keys, tensors, rtol=1e-12)
+        assert (np.linalg.eigvalsh(motion(at)) > 0).all()
+    flat = batten.Motion(range(5), tensors[:, :3, :3], space="euclidean")
+    assert flat.space.point_dim == 9 and flat([0.0, 1]) == pytest.approx(tensors[:2, :3, :3])
+    tensors[1, 0, 1] += 0.1
+    with pytest.raises(batten.InvalidPoint, match="matrix 1 is not symmetric"):
+        batten.Motion(range(5), tensors, space="spd")
+    with pytest.raises(batten.InvalidPoint, match="spd"):
+        batten.Motion(range(5), tensors[:, :3, :3])
+    with pytest.raises(ValueError, match="spd"):
+        batten.Motion(range(5), tensors[:, :2, :2])
+
+
+def test_numbers_are_a_motion_on_the_line():
+    times, values = [0, 1, 2, 4], np.array([0.0, 1, 4, 2])
+    motion, rows = batten.Motion(times, values), batten.Motion(times, values[:, None])
+    at = np.linspace(0, 4, 12).reshape(3, 4)
+    for ours, theirs in ((motion, rows), (motion.velocity, rows.velocity), (motion.acceleration, rows.acceleration)):
+        assert ours(at).shape == (3, 4) and np.array_equal(ours(at), theirs(at)[..., 0])
+        assert np.ndim(ours(0.5)) == 0 and ours(0.5) == theirs(0.5)[0]
+    assert np.array_equal(motion.keys, values) and motion([1]).shape == (1,)
+    assert batten.Motion([0, 1], [0.0, 1], velocities=[2, 0]).velocity([0, 1]) == pytest.approx([2, 0])
+    assert batten.Motion([0, 1], [350.0, 370], wrap=360)(0.5) == pytest.approx(0)
+    smoothed = batten.Motion(np.arange(30), np.arange(30) + np.tile([0.1, -0.1, 0.0], 10), sigma=0.1)
+    assert smoothed.uncertainties.shape == (30,) and smoothed.uncertainty(at).shape == (3, 4)
+    with pytest.raises(ValueError, match="4 coordinates"):
+        batten.Motion([0, 1, 2, 3], [1.0, 0, 0, 0], space="rotation")
+
+
 def test_times_of_pandas():
     pandas = pytest.importorskip("pandas")
     times = pandas.date_range("2026-01-01", periods=4, freq="2s")
