@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, call_on_file, drawn, ffi, flag, lib, like, options, pointer, takes, unmasked, written
+from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, Unsupported, array, call, call_on_file, drawn, ffi, flag, lib, like, options, pointer, takes, unmasked, written
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
@@ -252,14 +252,32 @@ class Motion:
         """The distances of the given poses from a smoothed motion, in units of its noise."""
         return self._key_rows(lib.bat_motion_spline_keys(self._spline).deviations, 1).ravel()
 
+    def _check_smoothed(self) -> None:
+        if any(self.noise) or self._arguments[1]["gyro"] is not None:
+            return
+        why = "the motion passes through its poses; sigma= tells their noise"
+        if self._arguments[1].get("sigma", 0) not in (None, 0):
+            why = "the poses, which are few or exact, tell no noise; sigma= takes a number"
+        error = Unsupported(f"uncertainty: {why}")
+        error.status, error.remedy = "unsupported", "sigma"
+        raise error
+
     @property
     def uncertainties(self) -> Floats:
-        """The standard deviations of the smoothed poses, for each number of a velocity."""
+        """The standard deviations of the smoothed poses, for each number of a velocity.
+
+        Raises :class:`Unsupported` for a motion that nothing smoothed.
+        """
+        self._check_smoothed()
         return self._tangents(self._key_rows(lib.bat_motion_spline_keys(self._spline).uncertainties, self.space.tangent_dim))
 
     def uncertainty(self, times: Times) -> Floats:
-        """The standard deviations of a smoothed motion at times, for each number of a velocity."""
+        """The standard deviations of a smoothed motion at times, for each number of a velocity.
+
+        Raises :class:`Unsupported` for a motion that nothing smoothed.
+        """
         moments = self._seconds(times)
+        self._check_smoothed()
         made = np.empty((*moments.shape, self.space.tangent_dim))
         call(lib.bat_motion_spline_uncertainty, self._spline, pointer(moments), moments.size, pointer(made))
         return self._tangents(made)

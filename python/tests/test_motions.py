@@ -262,7 +262,19 @@ def test_the_noise_is_found(random):
     between = np.linspace(0.01, 19.99, 2001)
     off = abs(motion(between) - np.stack([np.sin(between), np.cos(0.7 * between)], axis=1))
     assert 0.9 < (off < 1.96 * motion.uncertainty(between)).mean() < 0.99
-    assert not batten.Motion(times, truth).uncertainty(between).any()
+
+
+def test_only_smoothed_motions_have_uncertainties():
+    """A motion through its poses has none, which is no uncertainty of 0; so has one whose noise was not found."""
+    times, values = np.arange(8.0), np.arange(8.0)[:, None] ** 2
+    for settings, way in (({}, "sigma= tells"), (dict(sigma=0), "sigma= tells"), (dict(sigma="auto"), "sigma= takes a number")):
+        motion = batten.Motion(times, values, **settings)
+        for call in (lambda: motion.uncertainty(0.5), lambda: motion.uncertainties):
+            with pytest.raises(batten.Unsupported, match=way) as failed:
+                call()
+            assert failed.value.remedy == "sigma"
+        assert not motion.deviations.any()
+    assert batten.Motion(times, values, sigma=0.5).uncertainty([0.5]) > 0
 
 
 def test_rounded_points_move_onto_their_space():

@@ -30,7 +30,7 @@ distances = batten.measure(again, (vertices, faces), samples=100)
 motion = batten.Motion([0, 1, 2], [[0.0], [1.0], [8.0]], ends="natural", sigma="auto")
 speed: float = float(motion.velocity(0.5)[0])
 dates = [datetime.datetime(2026, 1, 1), datetime.datetime(2026, 1, 2), datetime.datetime(2026, 1, 4)]
-dated = batten.Motion(dates, [[0.0], [1.0], [8.0]])
+dated = batten.Motion(dates, [[0.0], [1.0], [8.0]], sigma=0.1)
 pose = dated(dates[1])
 speeds = dated.velocity(dates), dated.acceleration(np.array(dates, "M8[us]")), dated.uncertainty(np.datetime64("2026-01-03"))
 steps = [date - dates[0] for date in dates]
