@@ -15,13 +15,17 @@ from numpy.typing import ArrayLike
 
 from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, Unsupported, array, call, call_on_file, drawn, ffi, flag, lib, like, options, pointer, takes, unmasked, written
 from batten.curves import axes_of
-from batten.spaces import Space, space_of
+from batten.spaces import Frames, Space, space_of
 
 #: Numbers, dates or durations, one or several. Those of numpy and pandas are arrays to checkers of types.
 Times = ArrayLike | datetime.date | datetime.timedelta | Sequence[datetime.date] | Sequence[datetime.timedelta]
 
 #: The largest distance of a rounded point from its space.
 _FAR = 0.05
+
+
+#: Options of motions that have vectors, or evaluate the motion at points whose frames cost more than they save.
+_POINTWISE = {"begin_velocity", "end_velocity", "max_speed", "max_acceleration"}
 
 
 class Motion:
@@ -107,8 +111,18 @@ class Motion:
                 raise ValueError("wrap: angles that turn by a whole round in a period are no closed motion of R^n")
         if closed and not period > moments[-1] - moments[0]:
             raise ValueError(f"period: a closed motion needs one above {moments[-1] - moments[0]}, not {period}")
+        self._frames = Frames.of(self.space, keys) if self.space.functions and not _POINTWISE & set(settings) else None
+        lying = given
+        if self._frames is not None and given is not None:
+            known = ~np.isnan(given).all(axis=1)
+            lying = np.full((len(keys), self._frames.space.tangent_dim), np.nan)
+            lying[known] = self._frames.coordinates(keys[known], given[known])
+            off = abs(self._frames.vectors(keys[known], lying[known]) - given[known])
+            if not (off <= 1e-9 * abs(given[known]).max(initial=0.0)).all():
+                self._frames, lying = None, given
+        self._inside = self.space if self._frames is None else self._frames.space
         kind = lib.BAT_HERMITE_TANGENTS_AUTO if given is None else lib.BAT_HERMITE_TANGENTS_VELOCITIES
-        curve = ffi.new("bat_hermite_curve *", [self.space.struct, pointer(keys), pointer(given), pointer(moments), len(keys),
+        curve = ffi.new("bat_hermite_curve *", [self._inside.struct, pointer(keys), pointer(lying), pointer(moments), len(keys),
                                                 closed, moments[0] + period - moments[-1] if closed else 0.0, kind])
         made = ffi.new("bat_motion_spline **")
         if self.space.functions:
@@ -123,7 +137,13 @@ class Motion:
                 raise ValueError(f"gyro: {len(rows[0])} times are needed, one for each row of rates, not {when.shape}")
             forces = pointer(rows[1]) if len(rows) > 1 else ffi.NULL
             how.gyro = measured = ffi.new("bat_motion_gyro *", [pointer(when), pointer(rows[0]), len(when), forces])
-        call(lib.bat_motion_spline_make, curve, how, made)
+        try:
+            call(lib.bat_motion_spline_make, curve, how, made)
+        except BattenError:
+            if self._frames is None:
+                raise
+            self._frames, self._inside, curve.space, curve.tangents = None, self.space, self.space.struct, pointer(given)
+            call(lib.bat_motion_spline_make, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
         made_keys = lib.bat_motion_spline_keys(self._spline)
         self.times = np.frombuffer(ffi.buffer(made_keys.times, 8 * made_keys.count)).copy()
@@ -145,10 +165,13 @@ class Motion:
 
     def _at(self, times: Times, which: int) -> Floats:
         moments = self._seconds(times)
-        widths = [self.space.point_dim, self.space.tangent_dim, self.space.tangent_dim]
+        widths = [self.space.point_dim, self._inside.tangent_dim, self._inside.tangent_dim]
         made = [np.empty((*moments.shape, width)) for width in widths]
         wanted = [pointer(made[i]) if i in (0, which) else ffi.NULL for i in range(3)]
         call(lib.bat_motion_spline_sample, self._spline, pointer(moments), moments.size, *wanted)
+        if which and self._frames is not None:
+            rows = self._frames.vectors(made[0].reshape(-1, widths[0]), made[which].reshape(-1, widths[1]))
+            return rows.reshape(*moments.shape, self.space.tangent_dim)
         return made[which]
 
     def __call__(self, times: Times) -> Any:
@@ -323,8 +346,8 @@ class Motion:
     def picture(self, *, suffix: str = "svg", **settings: Any) -> bytes:
         """The path with frames of the body, or a strip of poses, and the speeds below, as the bytes of a file (svg, png or
         pdf)."""
-        curve = ffi.new("bat_curve *", [self.space.struct, pointer(self._keys), len(self._keys), self._arguments[1]["closed"]])
-        keyframes = ffi.new("bat_curve_set *", {"space": self.space.struct, "curves": curve, "count": 1})
+        curve = ffi.new("bat_curve *", [self._inside.struct, pointer(self._keys), len(self._keys), self._arguments[1]["closed"]])
+        keyframes = ffi.new("bat_curve_set *", {"space": self._inside.struct, "curves": curve, "count": 1})
         return written(lib.bat_motion_splines_picture_write, suffix, keyframes, ffi.new("bat_motion_spline *[]", [self._spline]),
                        self._outliers, options("bat_motion_picture_options", settings))  # fmt: skip
 

@@ -35,7 +35,8 @@ class Space:
         and comes out of it; a :class:`CutLocus` says that the geodesic is not unique.
     distance, inner, transport, project, fault : callable, optional
         ``distance(p, q)``; ``inner(p, u, v)``, by default the scalar product; ``transport(p, q, tangent)``, by default one
-        step of the pole ladder, which is exact in symmetric spaces; ``project(coordinates)``, by default what it gets;
+        step of the pole ladder, which is exact in symmetric spaces; ``project(coordinates)``, by default what it gets, which
+        motions need to be fast where tangent vectors have more numbers than the manifold has dimensions;
         ``fault(p)``, None for a point of the space, else the reason as a text.
     dimension, tangent_dim : int, optional
         Of the manifold, and how many numbers store a tangent vector; by default ``tangent_dim`` and ``point_dim``.
@@ -154,6 +155,117 @@ def space_of(space: Space | str | None, columns: int) -> Space:
     if space.point_dim != columns:
         raise ValueError(f"points of {space!r} have {space.point_dim} numbers, not {columns}")
     return space
+
+
+class Frames:
+    """A space of a user whose tangent vectors lie across those of a space around, with coordinates in their place.
+
+    The library makes motions of such coordinates from calls of many rows, and motions of other ones point by point. `space`
+    has them: numbers of an orthonormal basis of the tangent space, which depends on the point alone.
+    """
+
+    space: Space
+
+    def __init__(self, around: Space, reach: float, rank: int) -> None:
+        self._around, self._reach, self._rank, self._many = around, reach, rank, False
+        self._fixed: list[Floats] = []
+        self._found: dict[bytes, tuple[Floats, Floats]] = {}
+        given = around.functions
+        functions: dict[str, Any] = {name: given[name] for name in ("distance", "project", "fault") if name in given}
+        functions["exp"] = lambda p, a: given["exp"](p, self.vectors(p, a))
+        functions["log"] = lambda p, q: self.coordinates(p, np.asarray(given["log"](p, q), np.float64))
+        functions["transport"] = lambda p, q, a: self.coordinates(q, np.asarray(around._transport(p, q, self.vectors(p, a)), np.float64))
+        self.space = Space(around.name, around.point_dim, dimension=rank, tangent_dim=rank, injectivity=around.struct.injectivity, **functions)
+
+    @classmethod
+    def of(cls, around: Space, points: Floats) -> Frames | None:
+        """Frames for motions through points. None where tangent vectors have no number too many, or it is not known."""
+        if not {"exp", "log", "project"} <= set(around.functions) or len(points) < 2 or not np.isfinite(points).all():
+            return None
+        for share in (8, 512):
+            reach = min(abs(points - points[0]).max() / share, around.struct.injectivity / 8)
+            try:
+                made = cls(around, reach, around.tangent_dim)
+                made._many = made._takes_rows(points[0])
+                ranks = {made._basis(point)[1] for point in points}
+                if len(ranks) == 1 and 0 < (rank := ranks.pop()) < around.tangent_dim:
+                    many, made = made._many, cls(around, reach, rank)
+                    made._many = many
+                    return made
+            except Exception:  # of functions that fail away from the space; calls of the library tell it where it matters
+                continue
+        return None
+
+    def _logs(self, p: Floats, many: bool) -> Floats:
+        """Logarithms at p of points around it, by calls of many rows or of one."""
+        project, log, steps = self._around.functions["project"], self._around.functions["log"], self._reach * np.eye(len(p))
+        near = p + np.concatenate([steps, -steps])
+        with np.errstate(all="ignore"):
+            if many:
+                return np.asarray(log(np.broadcast_to(p, near.shape).copy(), np.asarray(project(near), np.float64)), np.float64)
+            points = [np.asarray(project(q), np.float64).reshape(-1) for q in near]
+            return np.array([np.asarray(log(p, q), np.float64).reshape(-1) for q in points])
+
+    def _takes_rows(self, p: Floats) -> bool:
+        one = self._logs(p, False)
+        try:
+            many = self._logs(p, True)
+        except Exception:
+            return False
+        return many.shape == one.shape and bool(np.allclose(many, one, rtol=1e-12, atol=1e-12 * abs(one).max()))
+
+    def _basis(self, p: Floats) -> tuple[Floats, int]:
+        """An orthonormal basis of the logarithms of points around p, and their rank, which is 0 where that is not clear."""
+        _, sizes, basis = np.linalg.svd(self._logs(p, self._many))
+        rank = int((sizes > 1e-10 * sizes[0]).sum())
+        return basis, rank if sizes[rank - 1] > 1e-4 * sizes[0] else 0
+
+    def _aligned(self, basis: Floats) -> Floats:
+        """The basis of the same space that is nearest to a fixed one, so that it is continuous. No fixed one is near
+        everywhere: the first that is near enough, in directions in which no data has its symmetries."""
+        if not self._fixed:
+            draws = np.random.default_rng(1).normal(size=(16, *basis.shape))
+            self._fixed = [np.linalg.qr(draw.T)[0].T for draw in draws]
+        parts = []
+        for fixed in self._fixed:
+            left, sizes, right = np.linalg.svd(fixed @ basis.T)
+            parts.append((sizes[-1], left @ right))
+            if sizes[-1] > 0.3:
+                break
+        turn: Floats = max(parts, key=lambda part: part[0])[1]
+        return turn @ basis
+
+    def _at(self, p: Floats) -> tuple[Floats, Floats]:
+        """The matrices that take coordinates to vectors at p, and back."""
+        key = p.tobytes()
+        found = self._found.get(key)
+        if found is None:
+            (basis, rank), inner = self._basis(p), self._around.functions.get("inner")
+            if rank != self._rank:
+                raise InvalidPoint(f"the tangent vectors at {p} have {rank} dimensions, not {self._rank}")
+            basis = self._aligned(basis[:rank])
+            back = basis.T
+            if inner is not None:
+                root = np.linalg.cholesky([[float(inner(p, u, v)) for v in basis] for u in basis])
+                basis, back = np.linalg.solve(root, basis), back @ root
+            if len(self._found) >= 65536:
+                self._found.clear()
+            found = self._found[key] = basis, back
+        return found
+
+    def _turned(self, points: Floats, rows: Floats, way: int) -> Floats:
+        if points.ndim == 1:
+            return np.asarray(rows @ self._at(points)[way])
+        turned: Floats = np.einsum("ni,nij->nj", rows, np.array([self._at(point)[way] for point in points]).reshape(len(points), rows.shape[1], -1))
+        return turned
+
+    def vectors(self, points: Floats, coordinates: Floats) -> Floats:
+        """The tangent vectors of a user at points that have coordinates."""
+        return self._turned(points, coordinates, 0)
+
+    def coordinates(self, points: Floats, vectors: Floats) -> Floats:
+        """The coordinates of tangent vectors at points."""
+        return self._turned(points, vectors, 1)
 
 
 def _refuse(bad: Any, rows: Floats, name: str, fault: str) -> None:

@@ -250,6 +250,59 @@ def test_angles_go_the_shorter_way():
         batten.Motion([0, 1, 2, 3, 4], [[0.0], [90], [180], [270], [0]], wrap=360, closed=True)
 
 
+@pytest.mark.parametrize("kind", ["rows", "single", "inner", "unprojected"])
+def test_spaces_whose_tangent_vectors_have_a_number_too_many(kind, random):
+    """A sphere of a user is that of the library, and is made by calls of many rows, few for each key."""
+    calls = []
+
+    def counted(function):
+        def counting(*given):
+            calls.append(given[0].shape)
+            return function(*given) if kind != "single" or given[0].ndim == 1 else 1 / 0
+
+        return counting
+
+    def exp(p, v):
+        size = np.linalg.norm(v, axis=-1, keepdims=True)
+        return np.cos(size) * p + np.sinc(size / np.pi) * v
+
+    def log(p, q):
+        cosine = (p * q).sum(-1, keepdims=True)
+        across = q - cosine * p
+        sine = np.linalg.norm(across, axis=-1, keepdims=True)
+        return across / np.maximum(sine, 1e-300) * np.arctan2(sine, cosine)
+
+    unit = lambda x: x / np.linalg.norm(x, axis=-1, keepdims=True)  # noqa: E731
+    more = {"unprojected": {}, "inner": dict(project=unit, inner=lambda p, u, v: 4 * np.dot(u, v))}.get(kind, dict(project=counted(unit)))
+    own = batten.Space("mine", 3, exp=counted(exp), log=counted(log), **more)
+    ring = unit(np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6), 0.3 * np.cos(np.arange(12) * np.pi / 2)], axis=1))
+    given, at = np.cross(ring, random.normal(size=(12, 3))), np.linspace(0, 11, 45)
+    given[3] = np.nan
+    clamped = dict(ends="clamped", end_velocity=np.cross(ring[-1], [1, 2, 3]))
+    for settings in ({}, dict(velocities=given), dict(closed=True, period=12), *([clamped] if kind == "rows" else [])):
+        calls.clear()
+        ours, theirs = (batten.Motion(range(12), ring, space=space, **settings) for space in (own, "sphere"))
+        assert len(calls) < 40 * 12 or kind in ("single", "unprojected") or "ends" in settings
+        np.testing.assert_allclose(ours(at), theirs(at), atol=1e-11)
+        np.testing.assert_allclose(ours.velocity(at), theirs.velocity(at), atol=1e-6)
+        np.testing.assert_allclose(ours.acceleration(at[1:-1]), theirs.acceleration(at[1:-1]), atol=1e-6)
+        assert ours.velocity(0.5).shape == (3,) and ours.velocity(at.reshape(5, 9)).shape == (5, 9, 3)
+    assert kind != "rows" or b"<svg" in ours.picture()
+
+
+def test_failures_in_spaces_of_a_user_come_out():
+    """Also where the library's calls are prepared."""
+    class Mine(Exception):
+        pass
+
+    def log(p, q):
+        raise Mine
+
+    own = batten.Space("mine", 2, exp=lambda p, v: p + v, log=log, project=lambda x: x)
+    with pytest.raises(Mine):
+        batten.Motion([0, 1, 2], [[0.0, 0], [1, 0], [1, 1]], space=own)
+
+
 def test_the_noise_is_found(random):
     """A noise that is not told is found, and the stated deviations cover the truth."""
     times = np.linspace(0, 20, 600)
