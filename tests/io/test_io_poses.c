@@ -67,6 +67,39 @@ static void poses_are_recognized(void **state)
     }
 }
 
+/// A repeated stamp, a stamp out of order or a bad quaternion does not make a trajectory points of R^8.
+static void an_odd_row_leaves_a_trajectory(void **state)
+{
+    (void)state;
+    static const char header[] = "# timestamp tx ty tz qx qy qz qw\n", first[] = "5.5 0 0 0 0 0 0 1\n6 1 0 0 0 0 0 1\n";
+    char text[200];
+    for (int named = 0; named < 2; named++)
+    {
+        const char *names = named ? header : "";
+        size_t line = named ? 4 : 3;
+        (void)snprintf(text, sizeof text, "%s%s6 1.2 0 0 0 0 0 1\n7 2 0 1 0 0 0 1\n", names, first);
+        bat_curve_set set = must_read(text, AUTO, NULL);
+        assert_string_equal(set.space->name, "rigid");
+        assert_int_equal(set.curves[0].count, 3);
+        assert_non_null(strstr(bat_curve_set_note(&set, 0), "the time of the row before"));
+        bat_curve_set_free(&set);
+        (void)snprintf(text, sizeof text, "%s%s5.7 2 0 1 0 0 0 1\n", names, first);
+        assert_bad(text, AUTO, NULL, line, "does not come after");
+        (void)snprintf(text, sizeof text, "%s%s7 2 0 1 0 0 0 0\n", names, first);
+        assert_bad(text, AUTO, NULL, line, "the quaternion is zero");
+        // Without names, rows of which none is a pose stay numbers.
+        (void)snprintf(text, sizeof text, "%s1 0 0 0 0 0 0 2\n2 1 0 0 0 0 0 2\n", names);
+        if (named)
+            assert_bad(text, AUTO, NULL, 2, "unit length");
+        else
+        {
+            set = must_read(text, AUTO, NULL);
+            assert_string_equal(set.space->name, "euclidean");
+            bat_curve_set_free(&set);
+        }
+    }
+}
+
 static void turns_follow_the_order(void **state)
 {
     (void)state;
@@ -505,6 +538,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poses_are_recognized),
+        cmocka_unit_test(an_odd_row_leaves_a_trajectory),
         cmocka_unit_test(turns_follow_the_order),
         cmocka_unit_test(doubtful_poses_are_refused),
         cmocka_unit_test(other_tables_stay_as_they_are),

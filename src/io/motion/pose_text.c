@@ -3,7 +3,7 @@
 #include <ctype.h>
 #include <math.h>
 
-/// Rows that must agree before a text without names is taken for a trajectory.
+/// Rows that are tried before a text without names is taken for a trajectory.
 static const int PROBED_ROWS = 100;
 
 /// Four numbers of about unit length are taken for a quaternion.
@@ -32,39 +32,42 @@ static bool is_unit(const double *q)
     return fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) - 1) <= UNIT_TOLERANCE;
 }
 
-/// Whether a row agrees with a form without names; `before` is the time of the row before.
-static bool row_fits(const pose_translation *work, const text_line *line, size_t width, double *before, char *separator)
+/// Whether a text has words at a place.
+static bool has_words(const file_text *text, size_t at, const char *words)
 {
-    double numbers[EUROC_NUMBERS], quaternion[4];
-    if (!pose_read_numbers(work->source, line, width, numbers, separator))
-        return false;
-    if (width == KITTI_NUMBERS)
-        return pose_matrix_deviation(numbers, quaternion) <= POSE_MATRIX_TOLERANCE;
-    double time = numbers[0];
-    bool later = time > *before;
-    *before = time;
-    return later && is_unit(numbers + 4);
+    size_t size = strlen(words);
+    return text->size >= size && at <= text->size - size && memcmp(text->data + at, words, size) == 0;
 }
 
-/// Whether the first rows all agree with a form of `width` numbers. `*first` receives the first number.
+/// Whether the first rows all have `width` numbers, and a comment names them or two of three rows at least agree with a form
+/// without names: the reader tells of the others. `*first` receives the first number.
 static bool probe(const pose_translation *work, size_t width, double *first, char *separator)
 {
+    static const char TUM_NAMES[] = "tx ty tz qx qy qz qw";
     text_line line = text_line_start(work->source);
-    size_t rows = 0;
-    double before = -INFINITY;
+    size_t rows = 0, odd = 0;
+    bool named = false;
+    double numbers[EUROC_NUMBERS], quaternion[4], before = -INFINITY;
     while (rows < PROBED_ROWS && text_line_next(work->source, &line))
     {
+        size_t end = (size_t)(line.end - work->source->data);
         if (line.begin == line.end || *line.begin == '#')
+        {
+            named = named || has_words(work->source, end - strlen(TUM_NAMES), TUM_NAMES);
             continue;
+        }
         // Any row of a file of matrices decides.
         if (rows > 0 && width == KITTI_NUMBERS)
             return true;
-        if (!row_fits(work, &line, width, &before, separator))
+        if (!pose_read_numbers(work->source, &line, width, numbers, separator) ||
+            (width == KITTI_NUMBERS && pose_matrix_deviation(numbers, quaternion) > POSE_MATRIX_TOLERANCE))
             return false;
+        odd += numbers[0] < before || !is_unit(numbers + 4);
+        before = numbers[0];
         if (rows++ == 0)
             *first = before;
     }
-    return rows > 1;
+    return rows > 1 && (3 * odd <= rows || named);
 }
 
 static bat_status translate_euroc_row(pose_translation *work, const text_line *line, bat_error *error)
@@ -119,13 +122,6 @@ static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_e
               named ? "" : ", by their numbers",
               work->width == EUROC_SPEEDS ? ", with their velocities; biases are left out" : "");
     return status;
-}
-
-/// Whether the text has words at a place.
-static bool has_words(const file_text *text, size_t at, const char *words)
-{
-    size_t size = strlen(words);
-    return text->size >= size && at <= text->size - size && memcmp(text->data + at, words, size) == 0;
 }
 
 /// Whether a text begins as BVH does. A table can have a column of the first name.
