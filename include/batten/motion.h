@@ -154,15 +154,16 @@ BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_m
 BAT_API bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count,
                                          bat_error *error);
 
-/// Read the rates of a gyroscope for bat_motion_gyro. The first columns of the table are a time, as above, and the angular
-/// rates about x, y and z in the body's frame, in radians a second. Other columns do not matter.
+/// Read the rates of a gyroscope for bat_motion_gyro. A header tells which columns are a time, as above, and angular rates
+/// about x, y and z in the body's frame, in rad/s or deg/s; without one these are the first columns, in rad/s. Other columns
+/// do not matter. A row with the time of the row before is left out, and the set gets a note of that.
 ///
 /// @param rates receives `count` x 3 numbers; release them with free(), too. Null: a line has a time alone
 /// @return as bat_motion_times_read()
 BAT_API bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates,
                                          size_t *count, bat_error *error);
 
-/// The same with the specific forces of an accelerometer in the next three columns, where these are numbers.
+/// The same with the specific forces of an accelerometer, in m/s^2 or g, or in the next three columns, in m/s^2.
 ///
 /// @param gyro receives the arrays; release them with bat_motion_gyro_free()
 /// @return as bat_motion_times_read()

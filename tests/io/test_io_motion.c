@@ -628,6 +628,70 @@ static void files_of_times_are_read(void **state)
     (void)remove(path);
 }
 
+/// The header of a table of rates tells its columns and their units; a repeated time is left out, and noted.
+static void names_tell_rates(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text;
+        double forces; ///< the first; 0: there are none
+        size_t line;   ///< of a failure
+        const char *words;
+    } cases[] = {
+        {"time,ax,ay,az,gx,gy,gz\n1,4,5,6,1,2,3\n2,7,8,9,4,5,6\n", 4, 0, NULL},
+        {"gx [deg/s];gy [deg/s];gz [deg/s];t [ms];ax [g];ay [g];az [g]\n"
+         "57.29577951308232;114.59155902616465;171.88733853924697;1000;1;0;0\n4;5;6;2000;0;0;0\n",
+         9.80665, 0, NULL},
+        {"#time,gx [deg/s],gy [deg/s],gz [deg/s]\n1,57.29577951308232,114.59155902616465,171.88733853924697\n2,4,5,6\n", 0,
+         0, NULL},
+        {"time,wx,wy,wz\n1,1,2,3\n1,7,7,7\n2,4,5,6\n2,7,7,7\n", 0, 0,
+         "2 rows of rates with the time of the row before left "
+         "out, the first on line 3"},
+        {"time,gx,gy,gz,temperature\n1,1,2,3,36\n2,4,5,6,36\n", 0, 0, NULL},
+        {"header.stamp.secs,header.stamp.nsecs,orientation.x,angular_velocity.x,angular_velocity.y,angular_velocity.z,"
+         "linear_acceleration.x,linear_acceleration.y,linear_acceleration.z\n1,0,0,1,2,3,4,5,6\n2,0,0,4,5,6,7,8,9\n",
+         4, 0, NULL},
+        {"time,a1,a2,a3,g1,g2,g3\n1,4,5,6,1,2,3\n", 0, 1, "gx, gy, gz, and accelerations ax, ay, az or none: time,a1,a2"},
+        {"time,gx [rpm],gy [rpm],gz [rpm]\n1,1,2,3\n", 0, 1, "rad/s or deg/s"},
+        {"time,gx,gy,gz\n1,1,2,3\n2,1,2\n", 0, 3, "3 columns, but the header has 4"},
+    };
+    const char *path = "rates-of-a-test.csv";
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_motion_gyro gyro;
+        bat_error error;
+        bat_curve_set set = must_read("0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n", TUM, NULL);
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        (void)fputs(cases[i].text, file);
+        assert_int_equal(fclose(file), 0);
+        bat_status status = bat_motion_gyro_read(path, &set, &gyro, &error);
+        assert_int_equal(status, cases[i].line > 0 ? BAT_BAD_FILE : BAT_OK);
+        if (cases[i].line > 0)
+        {
+            assert_int_equal(error.line, cases[i].line);
+            assert_non_null(strstr(error.text, cases[i].words));
+            bat_curve_set_free(&set);
+            continue;
+        }
+        assert_int_equal(gyro.count, 2);
+        assert_true(gyro.times[0] == 1 && gyro.times[1] == 2);
+        for (size_t c = 0; c < 3; c++)
+            assert_true(fabs(gyro.rates[c] - (double)(c + 1)) < 1e-14);
+        assert_true((gyro.forces != NULL) == (cases[i].forces > 0));
+        assert_true(gyro.forces == NULL || gyro.forces[0] == cases[i].forces);
+        bool told = cases[i].words == NULL;
+        const char *note;
+        for (size_t j = 0; (note = bat_curve_set_note(&set, j)) != NULL; j++)
+            told = told || strcmp(note, cases[i].words) == 0;
+        assert_true(told);
+        bat_motion_gyro_free(&gyro);
+        bat_curve_set_free(&set);
+    }
+    (void)remove(path);
+}
+
 /// A motion with times may rest.
 static void motions_may_rest(void **state)
 {
@@ -735,6 +799,7 @@ int main(void)
         cmocka_unit_test(times_keep_their_digits),
         cmocka_unit_test(rates_reach_the_last_keyframe),
         cmocka_unit_test(files_of_times_are_read),
+        cmocka_unit_test(names_tell_rates),
         cmocka_unit_test(motions_may_rest),
         cmocka_unit_test(forms_agree),
         cmocka_unit_test(motions_are_manifolds_in_time),

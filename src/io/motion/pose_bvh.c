@@ -83,7 +83,6 @@ static const char *read_joints(bvh_file *file)
 static void write_pose(pose_translation *work, double time, const bvh_joint *joint, const double *numbers)
 {
     double place[3], q[4] = {1, 0, 0, 0}, before[4], turn[3] = {0};
-    char text[NUMBER_TEXT_SIZE + 1];
     memcpy(place, joint->offset, sizeof place);
     for (size_t i = 0; i < joint->count; i++)
     {
@@ -94,9 +93,7 @@ static void write_pose(pose_translation *work, double time, const bvh_joint *joi
         quaternion_turn(before, turn[0], turn[1], turn[2], q);
         turn[axis] = 0;
     }
-    *number_write(text, time) = '\0';
-    pose_write_tum(work, text, place, q);
-    text_append_string(&work->text, "\n");
+    pose_write_row(work, time, place, q);
 }
 
 bat_status pose_translate_bvh(pose_translation *work, bat_error *error)

@@ -29,10 +29,9 @@ bool pose_read_numbers(const file_text *source, const text_line *line, size_t co
     return !comma;
 }
 
-void pose_write_tum(pose_translation *work, const char *time, const double *place, const double *quaternion)
+void pose_write_tum(pose_translation *work, const double *place, const double *quaternion)
 {
     char *out;
-    text_append_string(&work->text, time);
     double row[7] = {place[0], place[1], place[2], quaternion[1], quaternion[2], quaternion[3], quaternion[0]};
     if ((out = text_reserve(&work->text, 7 * (NUMBER_TEXT_SIZE + 1) + 1)) == NULL)
         return;
@@ -42,6 +41,15 @@ void pose_write_tum(pose_translation *work, const char *time, const double *plac
         out = number_write(out, row[i]);
     }
     text_advance(&work->text, out);
+}
+
+void pose_write_row(pose_translation *work, double time, const double *place, const double *quaternion)
+{
+    char text[NUMBER_TEXT_SIZE + 1];
+    *number_write(text, time) = '\0';
+    text_append_string(&work->text, text);
+    pose_write_tum(work, place, quaternion);
+    text_append_string(&work->text, "\n");
 }
 
 const char *pose_time_copy(csv_field cell, char separator, text_buffer *text)
@@ -71,61 +79,43 @@ const char *pose_time_join(csv_field seconds, csv_field nanoseconds, text_buffer
     return NULL;
 }
 
-/// Names of columns after normalized_name(). The canonical ones come first; the CSV reader knows them itself.
+/// Names of columns after pose_name_normalize(). The canonical ones the CSV reader knows itself. Those of vectors come
+/// before the letter of an axis: "position_x", "q_w".
 static const struct
 {
-    const char *name;
-    role role;
-    bool canonical;
+    role first; ///< that of x for vectors
+    bool canonical, vector;
+    const char *names[10]; ///< up to null
 } NAMES[] = {
-    {"time", TIME, true},
-    {"t", TIME, true},
-    {"timestamp", TIME, true},
-    {"stamp", TIME, false},
-    {"sec", SECONDS, false},
-    {"secs", SECONDS, false},
-    {"stamp_sec", SECONDS, false},
-    {"stamp_secs", SECONDS, false},
-    {"nsec", NANOSECONDS, false},
-    {"nsecs", NANOSECONDS, false},
-    {"nanosec", NANOSECONDS, false},
-    {"stamp_nsec", NANOSECONDS, false},
-    {"stamp_nsecs", NANOSECONDS, false},
-    {"stamp_nanosec", NANOSECONDS, false},
-    {"x", X, true},
-    {"y", Y, true},
-    {"z", Z, true},
-    {"tx", X, true},
-    {"ty", Y, true},
-    {"tz", Z, true},
-    {"qw", QW, true},
-    {"qx", QX, true},
-    {"qy", QY, true},
-    {"qz", QZ, true},
-    {"roll", ROLL, false},
-    {"pitch", PITCH, false},
-    {"yaw", YAW, false},
-    {"vx", VX, true},
-    {"vy", VY, true},
-    {"vz", VZ, true},
-    {"wx", WX, true},
-    {"wy", WY, true},
-    {"wz", WZ, true},
-};
-
-/// Prefixes of an axis: "position_x", "q_w".
-static const char *const PLACES[] = {"p_", "p", "pos_", "position_", "translation_", "transform_translation_", "p_rs_r_"};
-static const char *const TURNS[] = {"q_",   "quat_",     "quaternion_",         "orientation_",
-                                    "rot_", "rotation_", "transform_rotation_", "q_rs_"};
+    {TIME, true, false, {"time", "t", "timestamp"}},
+    {TIME, false, false, {"stamp"}},
+    {SECONDS, false, false, {"sec", "secs", "stamp_sec", "stamp_secs"}},
+    {NANOSECONDS, false, false, {"nsec", "nsecs", "nanosec", "stamp_nsec", "stamp_nsecs", "stamp_nanosec"}},
+    {ROLL, false, false, {"roll"}},
+    {PITCH, false, false, {"pitch"}},
+    {YAW, false, false, {"yaw"}},
+    {X, true, true, {"", "t"}},
+    {QX, true, true, {"q"}},
+    {VX, true, true, {"v"}},
+    {WX, true, true, {"w"}},
+    {X, false, true, {"p_", "p", "pos_", "position_", "translation_", "transform_translation_", "p_rs_r_"}},
+    {QX, false, true, {"q_", "quat_", "quaternion_", "orientation_", "rot_", "rotation_", "transform_rotation_", "q_rs_"}},
+    {VX, false, true, {"v_rs_r_"}},
+    {RX, false, true, {"g", "gyr_", "gyro_", "gyroscope_", "w_", "omega_", "w_rs_s_", "angular_velocity_"}},
+    {AX, false, true, {"a", "acc_", "accel_", "accelerometer_", "a_rs_s_", "acceleration_", "linear_acceleration_"}}};
 /// Prefixes of messages, which are dropped.
-static const char *const PREFIXES[] = {"%", "#", "field_", "header_", "pose_", "msg_", "data_"};
+static const char *const PREFIXES[] = {"_", "%", "#", "field_", "header_", "pose_", "msg_", "data_"};
 
 static const struct
 {
-    const char *name;
     column_unit unit;
-} ANGLES[] = {{"deg", UNIT_DEGREES}, {"degree", UNIT_DEGREES}, {"degrees", UNIT_DEGREES}, {"\xC2\xB0", UNIT_DEGREES},
-              {"rad", UNIT_RADIANS}, {"radian", UNIT_RADIANS}, {"radians", UNIT_RADIANS}};
+    const char *names[5]; ///< up to null
+} UNITS[] = {{UNIT_DEGREES, {"deg", "degree", "degrees", "\xC2\xB0"}},
+             {UNIT_RADIANS, {"rad", "radian", "radians"}},
+             {UNIT_DEGREES_A_SECOND, {"deg/s", "\xC2\xB0/s", "deg s^-1", "dps"}},
+             {UNIT_RADIANS_A_SECOND, {"rad/s", "rad s^-1"}},
+             {UNIT_METRES, {"m/s2", "m/s^2", "m s^-2", "m/s\xC2\xB2"}},
+             {UNIT_GRAVITIES, {"g"}}};
 
 int pose_unit_decimals(column_unit unit)
 {
@@ -138,9 +128,10 @@ static column_unit unit_of(const char *text)
     int decimals = time_unit_decimals(text, strlen(text));
     if (decimals >= 0)
         return (column_unit)((int)UNIT_SECONDS + decimals / 3);
-    for (size_t i = 0; i < sizeof ANGLES / sizeof *ANGLES; i++)
-        if (strcmp(text, ANGLES[i].name) == 0)
-            return ANGLES[i].unit;
+    for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++)
+        for (size_t j = 0; UNITS[i].names[j] != NULL; j++)
+            if (strcmp(text, UNITS[i].names[j]) == 0)
+                return UNITS[i].unit;
     return UNIT_NONE;
 }
 
@@ -182,8 +173,6 @@ void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit
     for (bool stripped = true; stripped;)
     {
         stripped = false;
-        while (name[0] == '_')
-            memmove(name, name + 1, strlen(name));
         for (size_t i = 0; i < sizeof PREFIXES / sizeof *PREFIXES; i++)
         {
             size_t size = strlen(PREFIXES[i]);
@@ -209,22 +198,17 @@ void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit
 
 role pose_name_role(const char *name, bool *canonical)
 {
-    *canonical = false;
     for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++)
-        if (strcmp(name, NAMES[i].name) == 0)
+        for (size_t j = 0; NAMES[i].names[j] != NULL; j++)
         {
+            size_t size = strlen(NAMES[i].names[j]);
+            if (strncmp(name, NAMES[i].names[j], size) != 0 || strlen(name) != size + NAMES[i].vector)
+                continue;
+            char axis = name[size];
             *canonical = NAMES[i].canonical;
-            return NAMES[i].role;
+            if (!NAMES[i].vector || (axis >= (NAMES[i].first == QX ? 'w' : 'x') && axis <= 'z'))
+                return (role)((int)NAMES[i].first + (NAMES[i].vector ? axis - 'x' : 0));
         }
-    size_t length = strlen(name);
-    const char axis = length > 0 ? name[length - 1] : '\0';
-    for (size_t i = 0; axis >= 'x' && axis <= 'z' && i < sizeof PLACES / sizeof *PLACES; i++)
-        if (strlen(PLACES[i]) + 1 == length && strncmp(name, PLACES[i], length - 1) == 0)
-            return (role)(X + (axis - 'x'));
-    if (length == 8 && axis >= 'x' && axis <= 'z' && strncmp(name, "v_rs_r_", 7) == 0)
-        return (role)(VX + (axis - 'x'));
-    for (size_t i = 0; axis >= 'w' && axis <= 'z' && i < sizeof TURNS / sizeof *TURNS; i++)
-        if (strlen(TURNS[i]) + 1 == length && strncmp(name, TURNS[i], length - 1) == 0)
-            return (role)(QW + (axis - 'w'));
+    *canonical = false;
     return ROLES;
 }

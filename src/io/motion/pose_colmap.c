@@ -62,15 +62,12 @@ static bat_status read_image(const pose_translation *work, const text_line *line
 /// The pose of the camera in the world, of a unit quaternion: x = R c + t becomes c = R^T (x - t).
 static void write_image(pose_translation *work, double time, const double *pose)
 {
-    char text[NUMBER_TEXT_SIZE + 1];
     const double turned[] = {pose[0], -pose[1], -pose[2], -pose[3]};
     double matrix[9], place[3];
     bat_rotation_to_matrix(turned, matrix);
     for (size_t i = 0; i < 3; i++)
         place[i] = -(matrix[3 * i] * pose[4] + matrix[3 * i + 1] * pose[5] + matrix[3 * i + 2] * pose[6]);
-    *number_write(text, time) = '\0';
-    pose_write_tum(work, text, place, turned);
-    text_append_string(&work->text, "\n");
+    pose_write_row(work, time, place, turned);
 }
 
 bat_status pose_translate_colmap(pose_translation *work, bat_error *error)

@@ -44,7 +44,7 @@ static bat_status translate_matrix(pose_translation *work, const text_line *line
                                    size_t row, double *worst, size_t *worst_line, bat_error *error)
 {
     double numbers[KITTI_NUMBERS], quaternion[4];
-    char separator, time[NUMBER_TEXT_SIZE + 1];
+    char separator;
     if (!pose_read_numbers(work->source, line, KITTI_NUMBERS, numbers, &separator))
         return ERROR_FILE(error, line->number, "a row of KITTI poses has 12 numbers, a matrix of 3 rows and 4 columns");
     double deviation = pose_matrix_deviation(numbers, quaternion);
@@ -64,8 +64,8 @@ static bat_status translate_matrix(pose_translation *work, const text_line *line
     }
     if (times != NULL && row >= time_count)
         return ERROR_FILE(error, line->number, "there are more poses than times, which are %zu", time_count);
-    *number_write(time, times != NULL ? times[row] : (double)row) = '\0';
-    pose_write_tum(work, time, (double[3]){numbers[3], numbers[7], numbers[11]}, quaternion);
+    pose_write_row(work, times != NULL ? times[row] : (double)row, (double[3]){numbers[3], numbers[7], numbers[11]},
+                   quaternion);
     return BAT_OK;
 }
 
@@ -79,7 +79,8 @@ bat_status pose_translate_kitti(pose_translation *work, bat_error *error)
     {
         if (line.begin != line.end && *line.begin != '#')
             status = translate_matrix(work, &line, times, time_count, rows++, &worst, &worst_line, error);
-        text_append_string(&work->text, "\n");
+        else
+            text_append_string(&work->text, "\n");
     }
     if (status == BAT_OK && times != NULL && rows != time_count)
         status = ERROR_FILE(error, line.number, "there are %zu poses, but %zu times", rows, time_count);

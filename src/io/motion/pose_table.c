@@ -6,7 +6,8 @@
 
 static const char *const OUTPUT_NAMES[ROLES] = {
     [TIME] = "time", [X] = "tx",  [Y] = "ty",  [Z] = "tz",  [QW] = "qw", [QX] = "qx", [QY] = "qy",
-    [QZ] = "qz",     [VX] = "vx", [VY] = "vy", [VZ] = "vz", [WX] = "wx", [WY] = "wy", [WZ] = "wz"};
+    [QZ] = "qz",     [VX] = "vx", [VY] = "vy", [VZ] = "vz", [WX] = "wx", [WY] = "wy", [WZ] = "wz",
+    [RX] = "wx",     [RY] = "wy", [RZ] = "wz", [AX] = "ax", [AY] = "ay", [AZ] = "az"};
 
 /// How many of `count` roles have columns.
 static size_t count_roles(const pose_translation *work, role first, size_t count)
@@ -20,9 +21,8 @@ static size_t count_roles(const pose_translation *work, role first, size_t count
 static void read_roles(pose_translation *work, const csv_field *fields, size_t count, pose_header *names)
 {
     *names = (pose_header){.twice = BAT_NO_INDEX};
-    for (size_t i = 0; i < ROLES; i++)
-        work->columns[i] = BAT_NO_INDEX;
-    work->time_unit = UNIT_NONE;
+    memset(work->columns, 0xFF, sizeof work->columns); // BAT_NO_INDEX
+    memset(work->units, 0, sizeof work->units);
     for (size_t i = 0; i < count; i++)
     {
         char name[POSE_NAME_SIZE];
@@ -33,7 +33,12 @@ static void read_roles(pose_translation *work, const csv_field *fields, size_t c
         names->globe = names->globe || strncmp(name, "lon", 3) == 0 || strncmp(name, "lat", 3) == 0;
         names->euroc = names->euroc || strncmp(name, "q_rs_", 5) == 0;
         names->px4 = names->px4 || strcmp(name, "timestamp_sample") == 0 || pose_name_is_px4(fields[i]);
-        if (what == ROLES)
+        if (what > WZ && what < ROLES && work->columns[what] == BAT_NO_INDEX)
+        {
+            work->columns[what] = i;
+            work->units[what] = found;
+        }
+        if (what > WZ)
         {
             csv_field other = csv_unquoted(fields[i]);
             if (names->others++ == 0)
@@ -50,30 +55,33 @@ static void read_roles(pose_translation *work, const csv_field *fields, size_t c
             continue;
         }
         work->columns[what] = i;
-        if (what == TIME)
-            work->time_unit = found;
-        if (what >= ROLL && what <= YAW)
-            names->angles[what - ROLL] = found;
+        work->units[what] = found;
     }
-    if (names->px4 && work->time_unit == UNIT_NONE)
-        work->time_unit = UNIT_MICRO;
+    if (names->px4 && work->units[TIME] == UNIT_NONE)
+        work->units[TIME] = UNIT_MICRO;
     work->width = count;
+}
+
+/// Whether orientations are by roll, pitch and yaw.
+static bool has_angles(const pose_translation *work)
+{
+    return count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
 }
 
 static bool has_orientation(const pose_translation *work)
 {
-    return count_roles(work, QW, 4) == 4 || count_roles(work, ROLL, 3) == 3;
+    return has_angles(work) || count_roles(work, QW, 4) == 4;
 }
 
 /// The order and the unit of angles, by the names and the option.
-static bat_status choose_angles(pose_translation *work, const pose_header *names, size_t line, bat_error *error)
+static bat_status choose_angles(pose_translation *work, size_t line, bat_error *error)
 {
     const char *euler = work->options->euler;
-    column_unit found = names->angles[0], asked = UNIT_NONE;
+    column_unit found = work->units[ROLL], asked = UNIT_NONE;
     (void)snprintf(work->order, sizeof work->order, "%.3s", euler != NULL ? euler : "zyx");
     if (euler != NULL && strlen(euler) > 3)
         asked = strcmp(euler + 4, "degrees") == 0 ? UNIT_DEGREES : UNIT_RADIANS;
-    if (names->angles[1] != found || names->angles[2] != found)
+    if (work->units[PITCH] != found || work->units[YAW] != found)
         return ERROR_FILE(error, line, "roll, pitch and yaw have different units in their names");
     bool named = found == UNIT_DEGREES || found == UNIT_RADIANS;
     if (!named && asked == UNIT_NONE)
@@ -88,7 +96,7 @@ static bat_status choose_angles(pose_translation *work, const pose_header *names
 static void note_table(pose_translation *work, const pose_header *names)
 {
     bool split = work->columns[SECONDS] != BAT_NO_INDEX;
-    bool angles = count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
+    bool angles = has_angles(work);
     bool turned = has_orientation(work);
     if (names->euroc)
         pose_note(work, "EuRoC poses of the body S in the reference frame R, quaternions w x y z");
@@ -127,6 +135,15 @@ static bat_status cell_fault(const csv_field *fields, size_t column, size_t line
                       text_excerpt(excerpt, fields[column].begin, fields[column].end), fault);
 }
 
+/// What makes a rate radians a second, an acceleration metres a square second; NaN for a unit of other things.
+static double scale_of(role what, column_unit unit)
+{
+    static const double GRAVITY = 9.80665; // of the third General Conference on Weights and Measures
+    if (what < RX || unit == UNIT_NONE || unit == (what < AX ? UNIT_RADIANS_A_SECOND : UNIT_METRES))
+        return 1;
+    return unit != (what < AX ? UNIT_DEGREES_A_SECOND : UNIT_GRAVITIES) ? NAN : what < AX ? ANGLE_DEGREE : GRAVITY;
+}
+
 static bat_status translate_row(pose_translation *work, const text_line *line, bat_error *error)
 {
     csv_field fields[BAT_SPACE_MAX_DIM];
@@ -139,7 +156,7 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
         return ERROR_FILE(error, line->number, "%s", fault);
     while (count > work->width && fields[count - 1].begin == fields[count - 1].end)
         count--;
-    if (count != work->width)
+    if (count < work->width || (count > work->width && work->options != NULL)) // without options: of rates
         return ERROR_FILE(error, line->number, "%zu columns, but the header has %zu", count, work->width);
     size_t timed = work->columns[SECONDS] != BAT_NO_INDEX ? work->columns[SECONDS] : work->columns[TIME];
     if (work->columns[SECONDS] != BAT_NO_INDEX)
@@ -152,7 +169,7 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
         if (work->columns[i] != BAT_NO_INDEX &&
             (fault = csv_read_number(fields[work->columns[i]], work->separator, &numbers[i], &comma)) != NULL)
             return cell_fault(fields, work->columns[i], line->number, fault, error);
-    bool angles = count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
+    bool angles = has_angles(work);
     if (angles)
         turn_by_angles(work, numbers + ROLL, numbers + QW);
     if ((out = text_reserve(&work->text, ROLES * (NUMBER_TEXT_SIZE + 1))) == NULL)
@@ -166,7 +183,7 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
         if (!first)
             *out++ = ',';
         first = false;
-        out = number_write(out, numbers[i]);
+        out = number_write(out, numbers[i] * scale_of((role)i, work->units[i]));
     }
     text_advance(&work->text, out);
     return BAT_OK;
@@ -185,7 +202,7 @@ static void write_names(pose_translation *work)
         text_append_string(&work->text, first ? "" : ",");
         text_append_string(&work->text, OUTPUT_NAMES[i] + plain);
         if (i == TIME)
-            text_append_string(&work->text, exact_time_suffix(pose_unit_decimals(work->time_unit)));
+            text_append_string(&work->text, exact_time_suffix(pose_unit_decimals(work->units[TIME])));
         first = false;
     }
 }
@@ -201,10 +218,10 @@ static bat_status check_table(pose_translation *work, pose_header *names, size_t
         return ERROR_FILE(error, line, "of seconds and nanoseconds, only one column is there");
     if (places != 0 && places != 3)
         return ERROR_FILE(error, line, "a pose needs columns x, y and z, or none of them");
-    for (size_t i = VX; i <= WZ; i++)
+    for (size_t i = VX; i < ROLES; i++)
     {
-        bool kept = i < WX ? speeds == 3 && places == 3 : turns == 3 && has_orientation(work);
-        if (!kept && work->columns[i] != BAT_NO_INDEX)
+        bool kept = i < WX ? speeds == 3 && places == 3 : i <= WZ && turns == 3 && has_orientation(work);
+        if (!kept && i <= WZ && work->columns[i] != BAT_NO_INDEX)
             names->others++;
         work->columns[i] = kept ? work->columns[i] : BAT_NO_INDEX;
     }
@@ -217,25 +234,23 @@ bool pose_wants_table(const pose_translation *work, const pose_header *names, cs
     const char *space = work->options->space;
     bool turned = has_orientation(work), stamped = work->columns[SECONDS] != BAT_NO_INDEX;
     csv_field bare = csv_unquoted(time);
-    bool by_size = work->time_unit == UNIT_NONE && exact_time_decimals(bare.begin, bare.end) > 0;
-    bool scaled = stamped || by_size || pose_unit_decimals(work->time_unit) > 0;
+    bool by_size = work->units[TIME] == UNIT_NONE && exact_time_decimals(bare.begin, bare.end) > 0;
+    bool scaled = stamped || by_size || pose_unit_decimals(work->units[TIME]) > 0;
     bool placed = count_roles(work, X, 3) == 3;
     if (names->globe || (space != NULL && strcmp(space, "rigid") != 0 && strcmp(space, "rotation") != 0))
         return false;
     if (turned)
         return names->foreign || scaled || iso_time_read(bare.begin, bare.end, &iso);
-    return placed && (stamped || pose_unit_decimals(work->time_unit) > 0) && space == NULL;
+    return placed && (stamped || pose_unit_decimals(work->units[TIME]) > 0) && space == NULL;
 }
 
-bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error)
+static bat_status translate_lines(pose_translation *work, size_t header, bat_error *error)
 {
-    bat_status status = check_table(work, names, head->number, error);
-    if (status == BAT_OK && count_roles(work, QW, 4) < 4 && has_orientation(work))
-        status = choose_angles(work, names, head->number, error);
+    bat_status status = BAT_OK;
     text_line line = text_line_start(work->source);
     while (status == BAT_OK && text_line_next(work->source, &line))
     {
-        if (line.number == head->number)
+        if (line.number == header)
             write_names(work);
         else if (line.begin != line.end && *line.begin == '#')
             text_append(&work->text, line.begin, (size_t)(line.end - line.begin));
@@ -243,6 +258,16 @@ bat_status pose_translate_table(pose_translation *work, const text_line *head, p
             status = translate_row(work, &line, error);
         text_append_string(&work->text, "\n");
     }
+    return status;
+}
+
+bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error)
+{
+    bat_status status = check_table(work, names, head->number, error);
+    if (status == BAT_OK && has_angles(work))
+        status = choose_angles(work, head->number, error);
+    if (status == BAT_OK)
+        status = translate_lines(work, head->number, error);
     work->reader = BAT_CURVE_FORMAT_CSV;
     work->format = names->euroc && has_orientation(work) && count_roles(work, X, 3) == 3 ? BAT_CURVE_FORMAT_EUROC
                                                                                          : BAT_CURVE_FORMAT_CSV;
@@ -278,10 +303,35 @@ bool pose_find_header(pose_translation *work, text_line *head, pose_header *name
             if (number_resembles(fields[i].begin, fields[i].end) && !csv_is_missing(fields[i]))
                 return false;
         read_roles(work, fields, count, names);
-        bool timed = count_roles(work, X, 3) == 3 && pose_unit_decimals(work->time_unit) > 0;
-        found = !comment || has_orientation(work) || timed;
+        bool timed = count_roles(work, X, 3) == 3 && pose_unit_decimals(work->units[TIME]) > 0;
+        bool turns = count_roles(work, WX, 3) == 3 || count_roles(work, RX, 3) == 3;
+        found = !comment || has_orientation(work) || timed || turns;
         work->separator = separator;
         *head = line;
     }
     return false;
+}
+
+bat_status pose_translate_rates(pose_translation *work, bat_error *error)
+{
+    text_line head;
+    pose_header names;
+    csv_field time;
+    if (!pose_find_header(work, &head, &names, &time))
+        return BAT_OK;
+    role first = count_roles(work, RX, 3) > 0 ? RX : WX;
+    memmove(work->columns + RX, work->columns + first, 3 * sizeof *work->columns);
+    memmove(work->units + RX, work->units + first, 3 * sizeof *work->units);
+    memset(work->columns + X, 0xFF, (RX - X) * sizeof *work->columns); // BAT_NO_INDEX
+    bool timed =
+        count_roles(work, SECONDS, 2) == 2 || (work->columns[TIME] != BAT_NO_INDEX && count_roles(work, SECONDS, 2) == 0);
+    bool known = work->units[TIME] <= UNIT_NANO;
+    for (size_t i = RX; i < ROLES; i++)
+        known = known && !isnan(scale_of((role)i, work->units[i]));
+    if (timed && known && count_roles(work, RX, 3) == 3 && count_roles(work, AX, 3) % 3 == 0)
+        return translate_lines(work, head.number, error);
+    return ERROR_FILE(error, head.number, "%s: %.*s",
+                      !known ? "rates are in rad/s or deg/s, accelerations in m/s^2 or g, times in s to ns"
+                             : "the names tell no time with rates gx, gy, gz, and accelerations ax, ay, az or none",
+                      (int)(head.end - head.begin), head.begin);
 }

@@ -89,7 +89,7 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
         fault = csv_read_number(fields[1 + i], separator, &numbers[i], &comma);
     if (fault != NULL)
         return ERROR_FILE(error, line->number, "%s", fault);
-    pose_write_tum(work, "", numbers, numbers + 3);
+    pose_write_tum(work, numbers, numbers + 3);
     for (size_t i = TUM_NUMBERS; i < work->width; i++)
     {
         char number[NUMBER_TEXT_SIZE + 1];

@@ -35,6 +35,13 @@ typedef enum role
     WX,
     WY,
     WZ,
+    // Of inertial units, no part of poses:
+    RX,
+    RY,
+    RZ,
+    AX,
+    AY,
+    AZ,
     ROLES
 } role;
 
@@ -47,6 +54,10 @@ typedef enum column_unit
     UNIT_NANO,
     UNIT_DEGREES,
     UNIT_RADIANS,
+    UNIT_DEGREES_A_SECOND,
+    UNIT_RADIANS_A_SECOND,
+    UNIT_METRES, ///< a square second
+    UNIT_GRAVITIES,
     UNIT_OTHER
 } column_unit;
 
@@ -94,7 +105,7 @@ typedef struct pose_translation
     size_t note_count;
     // Of tables:
     size_t columns[ROLES]; ///< BAT_NO_INDEX where there is none
-    column_unit time_unit, angle_unit;
+    column_unit units[ROLES], angle_unit;
     char separator;
     size_t width; ///< columns of the header
     char order[4];
@@ -103,7 +114,9 @@ typedef struct pose_translation
 void pose_note(pose_translation *work, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /// Read a row of exactly `count` numbers. False where it is none.
 bool pose_read_numbers(const file_text *source, const text_line *line, size_t count, double *numbers, char *separator);
-void pose_write_tum(pose_translation *work, const char *time, const double *place, const double *quaternion);
+/// Append a pose to a time that stands there, or as a row at a time.
+void pose_write_tum(pose_translation *work, const double *place, const double *quaternion);
+void pose_write_row(pose_translation *work, double time, const double *place, const double *quaternion);
 
 /// The nearest rotation of a row's 3x4 matrix, and the largest distance of an entry from it; infinite without one.
 double pose_matrix_deviation(const double *row, double *quaternion);
@@ -122,7 +135,6 @@ typedef struct pose_header
     bool euroc;                 ///< names of EuRoC
     bool px4;                   ///< names of a log of PX4, whose times are microseconds
     size_t twice;               ///< a second column of a role, or BAT_NO_INDEX
-    column_unit angles[3];
 } pose_header;
 
 /// Find the header of a table. A line that begins with '#' is one where it has separators and names of poses.
@@ -130,3 +142,5 @@ bool pose_find_header(pose_translation *work, text_line *head, pose_header *name
 /// Whether a table needs translation: not one that the CSV reader knows, unless its times are none in seconds.
 bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time);
 bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error);
+/// Translate a table of an inertial unit, where it has names, to times, rates in rad/s, and accelerations in m/s^2 if any.
+bat_status pose_translate_rates(pose_translation *work, bat_error *error);
