@@ -19,17 +19,7 @@ void bat_hermite_free(bat_hermite_curve *curve)
     *curve = (bat_hermite_curve){.space = curve->space};
 }
 
-static const double *point_of(const bat_hermite_curve *curve, size_t index)
-{
-    return curve->points + index * curve->space->point_dim;
-}
-
-static const double *tangent_of(const bat_hermite_curve *curve, size_t index)
-{
-    return curve->tangents + index * curve->space->tangent_dim;
-}
-
-static bat_status check_counts(const bat_hermite_curve *curve, bat_error *error)
+bat_status hermite_check_counts(const bat_hermite_curve *curve, bat_error *error)
 {
     size_t minimum = curve->closed ? 3 : 2;
     if (curve->count < minimum)
@@ -60,7 +50,7 @@ static bool is_tangent(const bat_space *space, const double *point, const double
 static bat_status check_tangent(const bat_hermite_curve *curve, size_t index, bool unit, bat_error *error)
 {
     const bat_space *space = curve->space;
-    const double *point = point_of(curve, index), *tangent = tangent_of(curve, index);
+    const double *point = hermite_point(curve, index), *tangent = hermite_tangent(curve, index);
     for (size_t i = 0; i < space->tangent_dim; i++)
         if (!isfinite(tangent[i]))
             return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent of point %zu is not finite", index);
@@ -88,7 +78,7 @@ static bat_status check_time(const bat_hermite_curve *curve, size_t index, bat_e
 static bat_status check_edge(const bat_hermite_curve *curve, size_t before, size_t index, bool admissible, bat_error *error)
 {
     const bat_space *space = curve->space;
-    const double *p = point_of(curve, before), *q = point_of(curve, index);
+    const double *p = hermite_point(curve, before), *q = hermite_point(curve, index);
     double log[BAT_SPACE_MAX_DIM];
     if (space->log(space, p, q, log) != BAT_OK)
         return error_set(error, BAT_CUT_LOCUS, index, 0, "points %zu and %zu have no unique shortest geodesic", before,
@@ -98,7 +88,7 @@ static bat_status check_edge(const bat_hermite_curve *curve, size_t before, size
     if (!(space->distance(space, p, q) > 0))
         return error_set(error, BAT_INVALID_POINT, index, 0, "point %zu repeats point %zu", index, before);
     hermite_edge edge;
-    if (hermite_edge_measure(space, p, tangent_of(curve, before), q, tangent_of(curve, index), &edge) != BAT_OK)
+    if (hermite_edge_measure(space, p, hermite_tangent(curve, before), q, hermite_tangent(curve, index), &edge) != BAT_OK)
         return error_set(error, BAT_INVALID_POINT, index, 0,
                          "the directions of points %zu and %zu turn too much: their angles with the edge sum to more than "
                          "%.4g",
@@ -109,7 +99,7 @@ static bat_status check_edge(const bat_hermite_curve *curve, size_t before, size
 /// Check point `index` and, where the options say so, the edge that ends there.
 static bat_status check_index(const bat_hermite_curve *curve, size_t index, hermite_check_parts parts, bat_error *error)
 {
-    const char *fault = curve->space->fault(curve->space, point_of(curve, index));
+    const char *fault = curve->space->fault(curve->space, hermite_point(curve, index));
     if (fault != NULL)
         return error_set(error, BAT_INVALID_POINT, index, 0, "point %zu is %s", index, fault);
     bat_status status = check_tangent(curve, index, parts.unit, error);
@@ -124,7 +114,7 @@ bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts par
 {
     bat_status status = space_check_complete(curve->space, error);
     if (status == BAT_OK)
-        status = check_counts(curve, error);
+        status = hermite_check_counts(curve, error);
     if (status != BAT_OK)
         return status;
     shared_work work = shared_work_make((curve->count + BLOCK - 1) / BLOCK, (bat_progress){0});
@@ -177,7 +167,7 @@ bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error)
     for (size_t i = 0; i < curve->count; i++)
     {
         double *tangent = curve->tangents + i * space->tangent_dim;
-        double length = sqrt(space->inner(space, point_of(curve, i), tangent, tangent));
+        double length = sqrt(space->inner(space, hermite_point(curve, i), tangent, tangent));
         if (!(length > 0) || !isfinite(length))
             return error_set(error, BAT_INVALID_POINT, i, 0, "the tangent of point %zu has no direction", i);
         for (size_t c = 0; c < space->tangent_dim; c++)

@@ -13,6 +13,19 @@ typedef struct hermite_check_parts
     bool admissible;
 } hermite_check_parts;
 
+static inline const double *hermite_point(const bat_hermite_curve *curve, size_t index)
+{
+    return curve->points + index * curve->space->point_dim;
+}
+
+static inline double *hermite_tangent(const bat_hermite_curve *curve, size_t index)
+{
+    return curve->tangents + index * curve->space->tangent_dim;
+}
+
+/// Whether there are points enough, and tangents.
+bat_status hermite_check_counts(const bat_hermite_curve *curve, bat_error *error);
+
 /// bat_hermite_check() of parts. The fault found is the first, whatever the number of threads.
 bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts parts, int threads, bat_error *error);
 

@@ -18,16 +18,6 @@ typedef struct estimate
     size_t edges;
 } estimate;
 
-static const double *point_of(const bat_hermite_curve *curve, size_t index)
-{
-    return curve->points + index * curve->space->point_dim;
-}
-
-static double *tangent_of(const bat_hermite_curve *curve, size_t index)
-{
-    return curve->tangents + index * curve->space->tangent_dim;
-}
-
 static size_t end_of_edge(const bat_hermite_curve *curve, size_t edge)
 {
     return edge + 1 == curve->count ? 0 : edge + 1;
@@ -70,8 +60,8 @@ static bat_status add_ways(const bat_hermite_curve *curve, size_t index, ptrdiff
     memset(sum, 0, space->tangent_dim * sizeof *sum);
     for (ptrdiff_t at = offset; at != 0; at -= direction)
     {
-        const double *here = point_of(curve, neighbour_of(curve, index, at));
-        const double *before = point_of(curve, neighbour_of(curve, index, at - direction));
+        const double *here = hermite_point(curve, neighbour_of(curve, index, at));
+        const double *before = hermite_point(curve, neighbour_of(curve, index, at - direction));
         bat_status status = space->log(space, before, here, step);
         if (status == BAT_OK)
             status = space->transport(space, here, before, sum, brought);
@@ -88,9 +78,9 @@ static bat_status add_ways(const bat_hermite_curve *curve, size_t index, ptrdiff
 static bat_status way_to(const bat_hermite_curve *curve, size_t index, ptrdiff_t offset, double *way)
 {
     const bat_space *space = curve->space;
-    const double *p = point_of(curve, index);
+    const double *p = hermite_point(curve, index);
     double direct[BAT_SPACE_MAX_DIM], difference[BAT_SPACE_MAX_DIM];
-    bat_status status = space->log(space, p, point_of(curve, neighbour_of(curve, index, offset)), direct);
+    bat_status status = space->log(space, p, hermite_point(curve, neighbour_of(curve, index, offset)), direct);
     bool far_off = offset > 1 || offset < -1;
     if (far_off && isfinite(space->injectivity))
     {
@@ -112,7 +102,7 @@ static bat_status estimate_at(const estimate *e, size_t index, bat_error *error)
 {
     const bat_hermite_curve *curve = e->curve;
     const bat_space *space = curve->space;
-    double parameters[HIGHEST_ORDER + 1], log[BAT_SPACE_MAX_DIM], *tangent = tangent_of(curve, index);
+    double parameters[HIGHEST_ORDER + 1], log[BAT_SPACE_MAX_DIM], *tangent = hermite_tangent(curve, index);
     ptrdiff_t begin = window_begin(e, index);
     for (size_t j = 0; j <= e->degree; j++)
         parameters[j] = parameter_of(e, index, begin + (ptrdiff_t)j);
@@ -158,7 +148,7 @@ static bat_status measure_edges(estimate *e, bat_error *error)
     {
         size_t next = end_of_edge(curve, i);
         e->lengths[i] = curve->times == NULL
-                            ? curve->space->distance(curve->space, point_of(curve, i), point_of(curve, next))
+                            ? curve->space->distance(curve->space, hermite_point(curve, i), hermite_point(curve, next))
                         : next == 0 ? curve->closing_time
                                     : curve->times[next] - curve->times[i];
         if (isfinite(e->lengths[i]) && e->lengths[i] > 0)
@@ -178,8 +168,8 @@ static bat_status lengthen_chords(estimate *e, bat_error *error)
     {
         size_t next = end_of_edge(curve, i);
         hermite_edge edge;
-        bat_status status = hermite_edge_measure(curve->space, point_of(curve, i), tangent_of(curve, i),
-                                                 point_of(curve, next), tangent_of(curve, next), &edge);
+        bat_status status = hermite_edge_measure(curve->space, hermite_point(curve, i), hermite_tangent(curve, i),
+                                                 hermite_point(curve, next), hermite_tangent(curve, next), &edge);
         if (status == BAT_CUT_LOCUS)
             return error_set(error, status, next, 0, "points %zu and %zu have no unique shortest geodesic", i, next);
         e->lengths[i] *= 1 + (1 - edge.half_turn_cosine) / 3;
@@ -213,18 +203,14 @@ static bat_status estimate_tangents(estimate *e, size_t order, bat_error *error)
 
 bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error)
 {
-    size_t minimum = curve->closed ? 3 : 2;
     if (order != 2 && order != HIGHEST_ORDER)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangents are estimated with order 2 or 4, not %zu",
                          order);
     bat_status status = space_check_complete(curve->space, error);
-    if (status != BAT_OK)
-        return status;
-    if (curve->count < minimum || curve->points == NULL || curve->tangents == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "%s curve needs at least %zu points and room for tangents", curve->closed ? "a closed" : "an open",
-                         minimum);
-    status = bat_space_check(curve->space, curve->points, curve->count, error);
+    if (status == BAT_OK)
+        status = hermite_check_counts(curve, error);
+    if (status == BAT_OK)
+        status = bat_space_check(curve->space, curve->points, curve->count, error);
     if (status != BAT_OK)
         return status;
     estimate e = {.curve = curve, .edges = curve->closed ? curve->count : curve->count - 1};

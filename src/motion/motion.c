@@ -1,4 +1,5 @@
 #include "batten/motion.h"
+#include "motion/hermite_average.h"
 #include "motion/spline_system.h"
 
 #include "base/choice.h"
@@ -285,12 +286,8 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     bool splined = method == BAT_MOTION_METHOD_SPLINE && order_of(options) == 0;
     bool given = channels->velocity_count > 0 && (splined || has_whole_velocities(channels));
     bat_status status = keys->times != NULL ? take_times(from, channels->time, options->period, keys, error) : BAT_OK;
-    if (status == BAT_OK && keys->count < (keys->closed ? 3U : 2U))
-        status = error_operand(error,
-                               error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                                         "%s curve needs at least %d points, not %zu", keys->closed ? "a closed" : "an open",
-                                         keys->closed ? 3 : 2, keys->count),
-                               0);
+    if (status == BAT_OK)
+        status = hermite_check_counts(keys, error);
     if (status == BAT_OK)
         status = unwrap(options->wrap, keys, error);
     if (status == BAT_OK && given)
@@ -605,10 +602,9 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
 {
     /// The last sample of a rate may be this share of a step late, beside the rounding of times.
     static const double RATE_TOLERANCE = 1e-9;
-    size_t intervals = keys->closed ? keys->count : keys->count - 1;
     double wanted = (double)options->time_count;
     bat_motion_keys range = bat_motion_spline_keys(spline);
-    intervals = keys->closed ? range.count : range.count - 1; // with a gyroscope there are more than keyframes
+    size_t intervals = keys->closed ? range.count : range.count - 1; // with a gyroscope there are more than keyframes
     if (options->rate > 0)
     {
         double steps = (range.end - range.begin) * options->rate;

@@ -13,26 +13,16 @@ typedef struct settings
     double order;
 } settings;
 
-/// One name: its settings, and the function that converts them to options.
 typedef struct entry
 {
     bat_choice choice;
-    void (*apply)(const settings *, bat_hermite_refine_options *); ///< null: not a Hermite scheme
     bat_motion_method method;
 } entry;
 
-static void apply_hermite(const settings *s, bat_hermite_refine_options *options)
-{
-    options->order = (size_t)s->order;
-}
-
-static const settings DEFAULTS = {.order = 1};
-
 static const entry ENTRIES[] = {
     {{.name = "spline", .summary = "a motion in time through its keys, with continuous velocity and acceleration"},
-     NULL,
      BAT_MOTION_METHOD_SPLINE},
-    {CHOICE_SET("hermite", "order=1", "by points and tangents, order 1 through the points; any space"), apply_hermite,
+    {CHOICE_SET("hermite", "order=1", "by points and tangents, order 1 through the points; any space"),
      BAT_MOTION_METHOD_HERMITE},
 };
 const bat_family bat_motion_scheme_family = FAMILY("scheme", ENTRIES);
@@ -49,14 +39,14 @@ bat_status bat_motion_scheme_by_name(const char *name, bat_motion_curves_options
     if (e == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
-    settings s = DEFAULTS;
+    settings s = {.order = 1};
     bat_status status = settings_read(&e->choice, text, SETTINGS, sizeof SETTINGS / sizeof *SETTINGS, &s, error);
     if (status == BAT_OK && s.order != floor(s.order))
         status = error_option(error, "order", "is %.10g, but must be a whole number", s.order);
     if (status == BAT_OK)
         status = OPTIONS_CHECK(&s, ORDER, error);
-    if (status == BAT_OK && e->apply != NULL)
-        e->apply(&s, &options->scheme);
+    if (status == BAT_OK && e->method == BAT_MOTION_METHOD_HERMITE)
+        options->scheme.order = (size_t)s.order;
     if (status == BAT_OK)
         options->method = e->method;
     return status;

@@ -517,7 +517,7 @@ static bat_status extrapolate(const bat_motion_spline *spline, const place *at, 
     const bat_space *space = &spline->space;
     size_t key = at->beyond < 0 ? 0 : spline->count - 1;
     const double *p = spline->points + key * space->point_dim, *v = spline->velocities + key * space->tangent_dim;
-    double way[BAT_SPACE_MAX_DIM], back[BAT_SPACE_MAX_DIM];
+    double way[BAT_SPACE_MAX_DIM];
     for (size_t c = 0; c < space->tangent_dim; c++)
         way[c] = at->beyond * v[c];
     bat_status status = space->exp(space, p, way, point);
@@ -531,13 +531,9 @@ static bat_status extrapolate(const bat_motion_spline *spline, const place *at, 
         const spline_factor *f = &spline->factors[i];
         double *rate = velocity + f->tangent_at;
         if (f->kind == FACTOR_FLAT || f->kind == FACTOR_ROTATION)
-        {
             memcpy(rate, v + f->tangent_at, f->space.tangent_dim * sizeof *rate);
-            continue;
-        }
-        status = f->space.transport(&f->space, p + f->point_at, point + f->point_at, v + f->tangent_at, back);
-        if (status == BAT_OK)
-            memcpy(rate, back, f->space.tangent_dim * sizeof *rate);
+        else
+            status = f->space.transport(&f->space, p + f->point_at, point + f->point_at, v + f->tangent_at, rate);
     }
     return status;
 }

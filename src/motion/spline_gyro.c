@@ -287,17 +287,13 @@ static bat_status check_gyro(const double *times, size_t count, const bat_motion
     char digits[4][NUMBER_DIGITS_SIZE];
     if (count < MIN_KEYS || gyro->count < 2)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a gyroscope needs %d keys and 2 rates at least, not %zu "
-                         "and %zu",
-                         MIN_KEYS, count, gyro->count);
+                         "a gyroscope needs %d keys and 2 rates at least, not %zu and %zu", MIN_KEYS, count, gyro->count);
     for (size_t i = 0; i < gyro->count; i++)
         if (!isfinite(gyro->times[i]) || (i > 0 && !(gyro->times[i] > gyro->times[i - 1])) ||
             !isfinite(vector_square(3, gyro->rates + 3 * i)) ||
             (gyro->forces != NULL && !isfinite(vector_square(3, gyro->forces + 3 * i))))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0,
-                             "measurement %zu of the gyroscope is not finite, or not later than "
-                             "the one before",
-                             i);
+                             "measurement %zu of the gyroscope is not finite, or not later than the one before", i);
     double first = gyro->times[0], last = gyro->times[gyro->count - 1], step = (last - first) / (double)(gyro->count - 1);
     if (first > times[0] + step || last < times[count - 1] - step)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,

@@ -433,8 +433,7 @@ static double median_sigma(noise_search *search)
 {
     double part = 1 - 2.0 / (9 * (double)search->s.n);
     memcpy(search->sorted, search->distances, search->s.count * sizeof *search->sorted);
-    qsort(search->sorted, search->s.count, sizeof *search->sorted, ascending);
-    return search->sorted[search->s.count / 2] / sqrt(part * part * part);
+    return sort_median(search->sorted, search->s.count) / sqrt(part * part * part);
 }
 
 /// Fit all components, those of rotations with one weight of the penalty. `*sigma` receives an unknown noise.

@@ -79,15 +79,14 @@ static bat_status measure(timing_work *work, bat_error *error)
 /// Whether no part with a limit moves in a cell.
 static bool is_free(const timing_work *work, size_t cell)
 {
-    double moves = 0;
     for (size_t k = 0; k < PLACES; k++)
         for (size_t part = 0; part < TIMING_PARTS; part++)
         {
             bool limited = work->limits->speed[part] > 0 || work->limits->acceleration[part] > 0;
             if (limited && rates_of(work, cell, k)[part].vv > work->rest[part])
-                moves++;
+                return false;
         }
-    return moves == 0;
+    return true;
 }
 
 /// The greatest y of a node by the speeds in a cell: at its end, and, where that is near 0, by half of the others.
