@@ -112,10 +112,12 @@ static bat_status data_allocate(const bat_curve *curve, bool timed, bat_hermite_
     return error_memory(error, curve->count * space->point_dim * sizeof(double));
 }
 
+/// Of points relative to the size of a motion, and of times.
+static const double ROUNDING = 1e-9;
+
 /// Whether a closed motion ends with its first point again, up to rounding.
 static bool repeats_begin(const bat_hermite_curve *keys)
 {
-    static const double ROUNDING = 1e-9;
     const bat_space *space = keys->space;
     const double *first = keys->points, *last = first + (keys->count - 1) * space->point_dim;
     double apart = 0;
@@ -139,9 +141,9 @@ static bat_status take_times(const bat_curve *curve, size_t channel, double peri
     }
     if (!keys->closed || keys->count < 2)
         return BAT_OK;
-    bool repeats = channel != BAT_NO_INDEX && repeats_begin(keys);
     double span = keys->times[keys->count - 1] - keys->times[0], step = span / (double)(keys->count - 1);
-    if (repeats)
+    bool ends = period <= (1 + ROUNDING) * span; // else a key that repeats the first is one as all others
+    if (ends && channel != BAT_NO_INDEX && repeats_begin(keys))
     {
         keys->count--;
         period = period > 0 ? period : span;
@@ -347,6 +349,11 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "motions have points, times and velocities; other columns, here %zu, have no place",
                              set->curves[i].channel_count - known);
+    bool closed = options->period == 0;
+    for (size_t i = 0; i < set->count; i++)
+        closed = closed || set->curves[i].closed;
+    if (!closed)
+        return error_option(error, "period", "is of closed motions, but all are open");
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].corners != NULL)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,

@@ -474,6 +474,16 @@ static void a_repeated_point_ends_the_period(void **state)
     options.period = 3;
     assert_int_equal(bat_motion_curves(&set, &options, &fine, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "period"));
+    // Where the period ends later, the last key is one as all others.
+    options.period = 5;
+    options.scheme.levels = 0;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, &error), BAT_OK);
+    assert_int_equal(fine.curves[0].count, 5);
+    assert_true(fine.curves[0].points[8] == 1 && fine.curves[0].channels[4] == 4);
+    bat_curve_set_free(&fine);
+    set.curves[0].closed = false;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "closed motions"));
     bat_curve_set_free(&set);
 }
 
