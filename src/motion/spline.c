@@ -313,7 +313,8 @@ static bat_status prepare_system(spline_system *system, const bat_motion_spline_
         return spline_tensor_prepare(system, options->ends, options->shape, begin != NULL ? begin + f->tangent_at : NULL,
                                      end != NULL ? end + f->tangent_at : NULL, spline->records + f->record_at,
                                      spline->record_size, error);
-    bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) != 0 && options->ends == BAT_MOTION_ENDS_AUTO;
+    system->smoothed = sigma_of(spline, options, (size_t)(f - spline->factors)) != 0;
+    bool natural = system->smoothed && options->ends == BAT_MOTION_ENDS_AUTO;
     bat_status status =
         spline_system_solve(system, natural ? BAT_MOTION_ENDS_NATURAL : options->ends, options->shape,
                             begin != NULL ? begin + f->tangent_at : NULL, end != NULL ? end + f->tangent_at : NULL, error);

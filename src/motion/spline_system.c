@@ -40,6 +40,8 @@ static const double FAST = 0.85;
 /// this many radians, at their rate of change beside it over this share of its time: for more where keys on both sides last
 /// so long, as in a recording with a hole. At an open end one side alone tells, and the share told counts by its cube.
 static const double LONGER = 2.5, LONGER_AT_END = 1.5, LONGER_AMONG_FEW = 2, TOLD = 1.4, TOLD_BY_RECORDING = 2.5, WIDE = 0.6;
+/// This many times that ratio, for smoothed keys: they follow a natural spline, which only a hole interrupts.
+static const double OF_SMOOTHED = 10;
 
 /// Accelerations at both ends of an interval that are more than this many times those around, and the roughness around, from
 /// which its weight falls; and the weight below which it counts as held, and is not used.
@@ -350,6 +352,7 @@ static bool is_gap(const spline_system *system, size_t i)
     double before = left ? system->lengths[spline_interval_beside(system, i, -1)] : 0;
     double after = right ? system->lengths[spline_interval_beside(system, i, 1)] : 0;
     double longer = left && right ? LONGER : system->count < TELLING ? LONGER_AMONG_FEW : LONGER_AT_END;
+    longer *= system->smoothed ? OF_SMOOTHED : 1;
     return system->intervals > 1 && system->lengths[i] > longer * fmax(before, after);
 }
 

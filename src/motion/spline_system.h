@@ -123,6 +123,7 @@ typedef struct spline_system
     // By key.
     double *residuals; ///< tangent_dim
     double *rows;      ///< 3: lower, diagonal, upper
+    bool smoothed;     ///< the keys are, by a natural spline
     double roughness;  ///< of accelerations, where the ends go by it; else 0
     // By interval.
     double *weights;      ///< of accelerations: below 1 where they are far above those around

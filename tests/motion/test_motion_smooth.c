@@ -299,12 +299,48 @@ static void others_are_refused(void **state)
     assert_null(spline);
 }
 
+/// Between keys at random times a smoothed motion is about the smooth spline: the rule for gaps, of exact keys, spoils it.
+static void gaps_of_random_times_stay_smooth(void **state)
+{
+    (void)state;
+    double errors[2] = {0};
+    for (uint64_t seed = 1; seed <= 8; seed++)
+    {
+        bat_space line = bat_euclidean(1);
+        double points[KEYS], times[KEYS] = {0};
+        uint64_t random = seed;
+        for (size_t i = 0; i < KEYS; i++)
+        {
+            times[i] = i > 0 ? times[i - 1] - 0.3 * log(1 - next_uniform(&random)) : 0;
+            points[i] = sin(times[i]) + 0.01 * next_normal(&random);
+        }
+        bat_hermite_curve keys = {.space = &line, .points = points, .times = times, .count = KEYS};
+        for (int smooth = 0; smooth < 2; smooth++)
+        {
+            bat_motion_spline_options options = smoothing(0.01, 0, BAT_MOTION_OUTLIERS_NONE);
+            options.shape = smooth ? BAT_MOTION_SHAPE_SMOOTH : options.shape;
+            bat_motion_spline *spline;
+            assert_int_equal(bat_motion_spline_make(&keys, &options, &spline, NULL), BAT_OK);
+            for (size_t i = 0; i < 1000; i++)
+            {
+                double time = times[KEYS - 1] * (double)i / 1000, at;
+                assert_int_equal(bat_motion_spline_at(spline, time, &at, NULL, NULL, NULL), BAT_OK);
+                errors[smooth] += pow(at - sin(time), 2) / 8000;
+            }
+            bat_motion_spline_free(spline);
+        }
+    }
+    if (!(errors[0] <= 1.05 * errors[1]) || !(sqrt(errors[0]) < 0.02))
+        fail_msg("errors %g, %g", sqrt(errors[0]), sqrt(errors[1]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_falls),
         cmocka_unit_test(sigma_0_interpolates),
         cmocka_unit_test(constant_velocity_stays),
+        cmocka_unit_test(gaps_of_random_times_stay_smooth),
         cmocka_unit_test(exact_keys_stay),
         cmocka_unit_test(outliers_are_ignored),
         cmocka_unit_test(left_multiplication_commutes),
