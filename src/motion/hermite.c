@@ -1,6 +1,7 @@
 #include "motion/hermite_average.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "space/builtin.h"
@@ -17,6 +18,16 @@ void bat_hermite_free(bat_hermite_curve *curve)
     free(curve->tangents);
     free(curve->times);
     *curve = (bat_hermite_curve){.space = curve->space};
+}
+
+bat_status hermite_allocate(bat_hermite_curve *curve, bool timed, bat_error *error)
+{
+    size_t point = curve->space->point_dim * sizeof(double), tangent = curve->space->tangent_dim * sizeof(double);
+    curve->points = memory_array(curve->count, point);
+    curve->tangents = memory_array(curve->count, tangent);
+    curve->times = timed ? memory_array(curve->count, sizeof(double)) : NULL;
+    bool whole = curve->points != NULL && curve->tangents != NULL && (curve->times != NULL || !timed);
+    return whole ? BAT_OK : error_memory(error, curve->count * (point + tangent));
 }
 
 bat_status hermite_check_counts(const bat_hermite_curve *curve, bat_error *error)

@@ -23,6 +23,8 @@ static inline double *hermite_tangent(const bat_hermite_curve *curve, size_t ind
     return curve->tangents + index * curve->space->tangent_dim;
 }
 
+/// Arrays of a curve's count; release them with bat_hermite_free(), also after a failure.
+bat_status hermite_allocate(bat_hermite_curve *curve, bool timed, bat_error *error);
 /// Whether there are points enough, and tangents.
 bat_status hermite_check_counts(const bat_hermite_curve *curve, bat_error *error);
 

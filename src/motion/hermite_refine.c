@@ -214,13 +214,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
     const bat_hermite_curve *coarse = plan->coarse;
     *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
     fine->kind = plan->linear != NULL ? BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES : BAT_HERMITE_TANGENTS_DIRECTIONS;
-    fine->points = memory_array(plan->count, plan->point_dim * sizeof *fine->points);
-    fine->tangents = memory_array(plan->count, plan->tangent_dim * sizeof *fine->tangents);
-    if (coarse->times != NULL)
-        fine->times = memory_array(plan->count, sizeof *fine->times);
-    if (fine->points == NULL || fine->tangents == NULL || (coarse->times != NULL && fine->times == NULL))
-        return error_memory(error, plan->count * plan->dim * sizeof(double));
-    return BAT_OK;
+    return hermite_allocate(fine, coarse->times != NULL, error);
 }
 
 /// The checks that cost as much as a step run only when the step fails, to find the cause.

@@ -96,22 +96,6 @@ bool bat_motion_suits(const bat_curve_set *set)
     return false;
 }
 
-static bat_status data_allocate(const bat_curve *curve, bool timed, bat_hermite_curve *keys, bat_error *error)
-{
-    const bat_space *space = curve->space;
-    *keys = (bat_hermite_curve){.space = space, .count = curve->count, .closed = curve->closed};
-    keys->points = memory_array(curve->count, space->point_dim * sizeof(double));
-    keys->tangents = memory_array(curve->count, space->tangent_dim * sizeof(double));
-    keys->times = timed ? memory_array(curve->count, sizeof(double)) : NULL;
-    if (keys->points != NULL && keys->tangents != NULL && (!timed || keys->times != NULL))
-    {
-        memcpy(keys->points, curve->points, curve->count * space->point_dim * sizeof(double));
-        return BAT_OK;
-    }
-    bat_hermite_free(keys);
-    return error_memory(error, curve->count * space->point_dim * sizeof(double));
-}
-
 /// Of points relative to the size of a motion, and of times.
 static const double ROUNDING = 1e-9;
 
@@ -287,6 +271,7 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     bat_motion_method method = bat_motion_method_for(set, options);
     bool splined = method == BAT_MOTION_METHOD_SPLINE && order_of(options) == 0;
     bool given = channels->velocity_count > 0 && (splined || has_whole_velocities(channels));
+    memcpy(keys->points, from->points, from->count * from->space->point_dim * sizeof(double));
     bat_status status = keys->times != NULL ? take_times(from, channels->time, options->period, keys, error) : BAT_OK;
     if (status == BAT_OK)
         status = hermite_check_counts(keys, error);
@@ -383,7 +368,8 @@ static bat_status tell_line(const bat_curve_set *set, size_t curve, bat_status s
 static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                             bat_hermite_curve *keys, bat_error *error)
 {
-    bat_hermite_curve made;
+    const bat_curve *from = &set->curves[curve];
+    bat_hermite_curve made = {.space = from->space, .count = from->count, .closed = from->closed};
     bat_error fault = {.index = BAT_NO_INDEX};
     motion_channels channels = channels_of(set);
     bat_status status = bat_options_check(&bat_motion_curves_fields, options, &fault);
@@ -391,15 +377,13 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
         status = check_columns(set, options, &channels, &fault);
     bool timed = channels.time != BAT_NO_INDEX || bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     if (status == BAT_OK)
-        status = data_allocate(&set->curves[curve], timed, &made, &fault);
+        status = hermite_allocate(&made, timed, &fault);
     if (status == BAT_OK)
-    {
         status = fill_data(set, curve, options, &channels, &made, &fault);
-        if (status == BAT_OK)
-            *keys = made;
-        else
-            bat_hermite_free(&made);
-    }
+    if (status == BAT_OK)
+        *keys = made;
+    else
+        bat_hermite_free(&made);
     return tell_line(set, curve, status, &fault, error);
 }
 
@@ -651,7 +635,7 @@ static void add_peaks(const bat_hermite_curve *samples, const double *accelerati
 {
     const bat_space *space = samples->space;
     size_t n = space->tangent_dim, parts = space_is_rigid(space) ? 2 : 1;
-    double before[BAT_SPACE_MAX_DIM], change[BAT_SPACE_MAX_DIM];
+    double before[BAT_SPACE_MAX_DIM], change[BAT_SPACE_MAX_DIM] = {0};
     for (size_t i = 0; i < samples->count; i++)
     {
         const double *p = samples->points + i * space->point_dim, *a = accelerations + i * n;
@@ -679,11 +663,9 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     bat_status status = count_samples(spline, keys, options, &smooth->count, error);
     if (status != BAT_OK)
         return status;
-    smooth->points = memory_array(smooth->count, space->point_dim * sizeof(double));
-    smooth->tangents = memory_array(smooth->count, space->tangent_dim * sizeof(double));
-    smooth->times = memory_array(smooth->count, sizeof(double));
-    if (smooth->points == NULL || smooth->tangents == NULL || smooth->times == NULL)
-        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory for %zu points", smooth->count);
+    status = hermite_allocate(smooth, true, error);
+    if (status != BAT_OK)
+        return status;
     fill_times(spline, keys, options, smooth);
     double *accelerations = NULL;
     bat_motion_report *report = options->report;

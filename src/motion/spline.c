@@ -741,12 +741,10 @@ static bat_status rates_at(const void *context, size_t interval, double share, t
     const bat_space *space = &spline->space;
     double point[BAT_SPACE_MAX_DIM], v[BAT_SPACE_MAX_DIM], a[BAT_SPACE_MAX_DIM];
     bat_status status = evaluate(spline, &(place){.interval = interval, .share = share}, point, v, a);
-    bool rigid = space_is_rigid(space);
     rates[0] = rates[1] = (timing_rates){0};
-    for (size_t part = 0; rigid && part < TIMING_PARTS; part++)
-        rates[part] = (timing_rates){vector_dot(3, v + 3 * part, v + 3 * part), vector_dot(3, v + 3 * part, a + 3 * part),
-                                     vector_dot(3, a + 3 * part, a + 3 * part)};
-    if (!rigid && status == BAT_OK)
+    for (size_t at = 0; space_is_rigid(space) && at < 6; at += 3)
+        rates[at / 3] = (timing_rates){vector_square(3, v + at), vector_dot(3, v + at, a + at), vector_square(3, a + at)};
+    if (!space_is_rigid(space) && status == BAT_OK)
         rates[0] = (timing_rates){space->inner(space, point, v, v), space->inner(space, point, v, a),
                                   space->inner(space, point, a, a)};
     return status;

@@ -470,22 +470,10 @@ static void fill_rows(spline_system *system, bat_motion_ends ends)
         else if (open && (first || last))
         {
             size_t edge = first ? 0 : k - 1, beyond = first ? 1 : k - 2;
-            double near = 1, far = 1;
             end_row kind = row_of_end(system, ends, first);
-            if (kind == ROW_NATURAL)
-            {
-                near = 4;
-                far = 2;
-            }
-            else if (kind == ROW_NOT_A_KNOT)
-            {
-                near = 1 / h[edge];
-                far = 1 / h[edge] + 1 / h[beyond];
-            }
-            else if (kind == ROW_MEAN)
-                far = 0;
-            row[1] = near;
-            row[first ? 2 : 0] = far;
+            bool knot = kind == ROW_NOT_A_KNOT, natural = kind == ROW_NATURAL;
+            row[1] = knot ? 1 / h[edge] : natural ? 4 : 1;
+            row[first ? 2 : 0] = knot ? 1 / h[edge] + 1 / h[beyond] : natural ? 2 : kind == ROW_PARABOLA;
         }
         else
         {

@@ -31,13 +31,12 @@ static bat_status read_key_times(const pose_translation *work, double **times, s
     if (work->options->key_times == NULL)
         return BAT_OK;
     bat_status status = bat_motion_times_read(work->options->key_times, NULL, times, count, error);
-    if (status == BAT_OK || error == NULL)
-        return status;
-    char text[BAT_ERROR_TEXT_SIZE];
-    (void)snprintf(text, sizeof text, "%.80s: %s%.100s", work->options->key_times, "", error->text);
-    if (error->line > 0)
-        (void)snprintf(text, sizeof text, "%.80s:%zu: %.100s", work->options->key_times, error->line, error->text);
-    return error_set(error, status, BAT_NO_INDEX, 0, "%s", text);
+    char line[32] = "";
+    if (status != BAT_OK && error != NULL && error->line > 0)
+        (void)snprintf(line, sizeof line, ":%zu", error->line);
+    if (status != BAT_OK && error != NULL)
+        error->line = 0;
+    return error_prefix(error, status, "%.80s%s: ", work->options->key_times, line);
 }
 
 static bat_status translate_matrix(pose_translation *work, const text_line *line, const double *times, size_t time_count,
