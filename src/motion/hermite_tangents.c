@@ -131,13 +131,10 @@ static bat_status estimate_at(const estimate *e, size_t index, bat_error *error)
 
 static bat_status estimate_all(const estimate *e, bool directions, bat_error *error)
 {
-    for (size_t i = 0; i < e->curve->count; i++)
-    {
-        bat_status status = estimate_at(e, i, error);
-        if (status != BAT_OK)
-            return status;
-    }
-    return directions ? bat_hermite_normalize(e->curve, error) : BAT_OK;
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < e->curve->count && status == BAT_OK; i++)
+        status = estimate_at(e, i, error);
+    return directions && status == BAT_OK ? bat_hermite_normalize(e->curve, error) : status;
 }
 
 /// The lengths of edges in time, or without times the chords.

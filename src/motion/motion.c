@@ -738,11 +738,10 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
                                    const bat_hermite_curve *keys, result_columns *columns, bat_hermite_curve *smooth,
                                    bat_error *error)
 {
-    bat_motion_spline *spline;
+    bat_motion_spline *spline = NULL;
     bat_status status = make_spline(set, index, options, keys, &spline, error);
-    if (status != BAT_OK)
-        return status;
-    status = sample_spline(spline, keys, options, smooth, error);
+    if (status == BAT_OK)
+        status = sample_spline(spline, keys, options, smooth, error);
     if (status == BAT_OK && options->uncertainty)
     {
         columns->deviations = memory_array(smooth->count, set->space->tangent_dim * sizeof(double));
@@ -756,14 +755,13 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
         add_conflict(keys, columns->squares);
     }
     bat_motion_spline_free(spline);
-    if (status != BAT_OK && error != NULL)
-    {
-        error->index = BAT_NO_INDEX; // of a sample, not of a keyframe
-        size_t used = strlen(error->text);
-        int64_t origin = bat_curve_set_time_origin(set);
-        if (origin != 0)
-            (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
-    }
+    if (status == BAT_OK || error == NULL || error->line > 0)
+        return status;
+    error->index = BAT_NO_INDEX; // of a sample, not of a keyframe
+    size_t used = strlen(error->text);
+    int64_t origin = bat_curve_set_time_origin(set);
+    if (origin != 0)
+        (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
     return status;
 }
 

@@ -628,6 +628,27 @@ static void files_of_times_are_read(void **state)
     (void)remove(path);
 }
 
+/// Failures tell the times of the file, or the origin that they count from.
+static void failures_tell_the_times_of_files(void **state)
+{
+    (void)state;
+    static const char late[] =
+        "1311868171.131477 0 0 0 0 0 0 1\n1311868173.5 2 0 1 0 0 0 1\n1311868172.331406 1 0 0 0 0 0 1\n";
+    assert_bad(late, TUM, NULL, 3, "1311868172.331406000 does not come after 1311868173.500000000");
+    char text[600] = "";
+    for (size_t i = 0; i < 8; i++)
+        (void)snprintf(text + strlen(text), sizeof text - strlen(text), "131186817%zu 0 0 0 0 0 0 1\n", i);
+    bat_curve_set set = must_read(text, TUM, NULL), fine;
+    const double times[] = {1, 2, 3}, rates[9] = {0};
+    const bat_motion_gyro gyro = {.times = times, .rates = rates, .count = 3};
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    bat_error error;
+    options.spline.gyro = &gyro;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "1 to 3, do not cover the keys, 0 to 7, from 1311868170 on"));
+    bat_curve_set_free(&set);
+}
+
 /// The header of a table of rates tells its columns and their units; a repeated time is left out, and noted.
 static void names_tell_rates(void **state)
 {
@@ -800,6 +821,7 @@ int main(void)
         cmocka_unit_test(rates_reach_the_last_keyframe),
         cmocka_unit_test(files_of_times_are_read),
         cmocka_unit_test(names_tell_rates),
+        cmocka_unit_test(failures_tell_the_times_of_files),
         cmocka_unit_test(motions_may_rest),
         cmocka_unit_test(forms_agree),
         cmocka_unit_test(motions_are_manifolds_in_time),

@@ -371,8 +371,13 @@ static bat_status check_times(const csv_reader *reader, bool closed, bat_error *
         const double *row = builder->channels + i * builder->channel_count + reader->time_channel;
         double time = row[0], before = *(row - builder->channel_count);
         falls = falls || (closed && i > 1 && time < before);
-        if (!(falls ? time < before : time > before))
-            return error_set(error, BAT_BAD_FILE, i, lines[i], "the time %.15g does not come after %.15g", time, before);
+        if (falls ? time < before : time > before)
+            continue;
+        char texts[2][EXACT_TIME_SIZE + 1];
+        for (size_t k = 0; k < 2; k++)
+            *exact_time_write(texts[k], reader->attributes->time_origin, reader->attributes->time_decimals,
+                              k == 0 ? time : before) = '\0';
+        return error_set(error, BAT_BAD_FILE, i, lines[i], "the time %s does not come after %s", texts[0], texts[1]);
     }
     return BAT_OK;
 }

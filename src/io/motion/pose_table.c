@@ -95,18 +95,15 @@ static bat_status choose_angles(pose_translation *work, size_t line, bat_error *
 
 static void note_table(pose_translation *work, const pose_header *names)
 {
-    bool split = work->columns[SECONDS] != BAT_NO_INDEX;
-    bool angles = has_angles(work);
-    bool turned = has_orientation(work);
     if (names->euroc)
         pose_note(work, "EuRoC poses of the body S in the reference frame R, quaternions w x y z");
-    else if (angles)
+    else if (has_angles(work))
         pose_note(work, "poses by roll, pitch and yaw in %s, turned about the body's axes in the order %s%s",
                   work->angle_unit == UNIT_DEGREES ? "degrees" : "radians", work->order,
                   work->options->euler != NULL ? "" : " (another can be named)");
-    else if (turned)
+    else if (has_orientation(work))
         pose_note(work, "poses by names of columns: quaternions from the body's frame to the fixed one");
-    if (split)
+    if (work->columns[SECONDS] != BAT_NO_INDEX)
         pose_note(work, "times in seconds and nanoseconds are seconds, with all of their digits");
     if (names->others > 0)
         pose_note(work, "%zu column%s no part of a pose and left out%s%.40s", names->others,
