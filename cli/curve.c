@@ -70,8 +70,6 @@ static const option_spec CURVE_OPTIONS[] = {
      FLAG(curve_job, best_tension)},
     {"layer", "NAME", INPUT, 0, "the layer of a GeoPackage or another file with several", TEXT(curve_job, read.layer)},
     {"on", "sphere", INPUT, 0, "refine projected coordinates on the sphere, and write them in their own system", NO_FIELD},
-    {"strict", NULL, INPUT, 0, "refuse repeated points instead of dropping them, and curves that cross themselves",
-     FLAG(curve_job, read.strict)},
     {"crs", "NAME", RESULT, 0, "the coordinate reference system of plane coordinates in GeoJSON, as EPSG:25833",
      TEXT(curve_job, write.crs)},
     END_OF_OPTIONS,
@@ -106,6 +104,11 @@ const option_spec CURVE_READ_OPTIONS[] = {
 static const option_spec FILE_OPTIONS[] = {
     {"from", "FORMAT", INPUT, 0, "the format of IN, see `batten list formats`; default: by the file's ending and content",
      CHOICE(curve_job, read.format, bat_curve_format_family)},
+    {"strict", NULL, INPUT, 0,
+     "refuse repeated points, and of motions repeated times and other columns, instead of dropping them, and curves that "
+     "cross "
+     "themselves",
+     FLAG(curve_job, read.strict)},
     {"euler", "ORDER", INPUT, 0, "CSV: the order and unit of roll, pitch and yaw, as zyx,degrees or xyz,radians",
      TEXT(curve_job, read.euler)},
     {"time-unit", "UNIT", INPUT, 0, "of the times of a motion: seconds, milliseconds, ...; default: by names, else by size",

@@ -34,8 +34,8 @@ typedef struct bat_curve_read_options
     bat_curve_format format; ///< default BAT_CURVE_FORMAT_AUTO
     const char *space;       ///< a name as in bat_space_by_name(); default null: what the file implies
     int closed;              ///< -1: as the file says (default); 0: every line is open; 1: every line is closed
-    bool strict;             ///< refuse repeated points instead of dropping them; default false
-    bool project;            ///< move points that are off their space onto it instead of refusing them; default false
+    bool strict;  ///< refuse repeated points, and a motion's other columns, instead of dropping them; default false
+    bool project; ///< move points that are off their space onto it instead of refusing them; default false
     /// CSV: the columns of the coordinates, names or numbers from 1 with commas between them, as "x,y" or "lon,lat"; default
     /// null: what names and places tell.
     const char *columns;

@@ -67,6 +67,30 @@ static void poses_are_recognized(void **state)
     }
 }
 
+/// Strict reading refuses what is left out else: repeated times and columns that are no part of a motion.
+static void strict_reading_leaves_nothing_out(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"6 1 2 3 0 0 0 1\n6 1 2 3 0 0 0 1\n7 1 2 3 0 0 0 1\n",
+                                        "stamp,x,y,z,qw,qx,qy,qz,mood\n1,1,2,3,1,0,0,0,4\n2,1,2,3,1,0,0,0,5\n",
+                                        "time,x,y,mood\n1,1,2,3\n2,1,3,4\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        for (int strict = 0; strict < 2; strict++)
+        {
+            bat_curve_read_options options = bat_curve_read_defaults();
+            bat_curve_set set = {0}, fine = {0};
+            bat_error error;
+            options.motion = true;
+            options.strict = strict == 1;
+            bat_status status = bat_curve_read_memory(texts[i], strlen(texts[i]), &options, &set, &error);
+            if (status == BAT_OK)
+                status = bat_motion_curves(&set, NULL, &fine, &error);
+            assert_true((status == BAT_OK) == !strict);
+            bat_curve_set_free(&set);
+            bat_curve_set_free(&fine);
+        }
+}
+
 /// A repeated stamp, a stamp out of order or a bad quaternion does not make a trajectory points of R^8.
 static void an_odd_row_leaves_a_trajectory(void **state)
 {
@@ -549,6 +573,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poses_are_recognized),
         cmocka_unit_test(an_odd_row_leaves_a_trajectory),
+        cmocka_unit_test(strict_reading_leaves_nothing_out),
         cmocka_unit_test(turns_follow_the_order),
         cmocka_unit_test(doubtful_poses_are_refused),
         cmocka_unit_test(other_tables_stay_as_they_are),

@@ -258,7 +258,8 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     bat_status status = check_width(reader, line, count, error);
     if (status == BAT_OK && has_corner)
         status = read_corner(reader, line, &corner, error);
-    if (status == BAT_OK && !reader->begun && reader->options->motion && !csv_leave_columns(reader))
+    bool leaves = reader->options->motion && !reader->options->strict;
+    if (status == BAT_OK && !reader->begun && leaves && !csv_leave_columns(reader))
         status = error_memory(error, reader->column_count);
     csv_drop_left(reader);
     if (status == BAT_OK && !reader->begun)
@@ -292,7 +293,7 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     if (fault != NULL)
         return builder_refuse(builder, error_set(error, BAT_BAD_FILE, index, line->number, "the point is %s", fault), error);
     bool dropped = false;
-    if (reader->options->motion && !reader->options->strict && repeats_time(reader))
+    if (leaves && repeats_time(reader))
     {
         reader->left_rows++;
         reader->first_left_row = reader->left_rows == 1 ? line->number : reader->first_left_row;

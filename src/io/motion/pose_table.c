@@ -222,6 +222,8 @@ static bat_status check_table(pose_translation *work, pose_header *names, size_t
             names->others++;
         work->columns[i] = kept ? work->columns[i] : BAT_NO_INDEX;
     }
+    if (names->others > 0 && work->options->strict)
+        return ERROR_FILE(error, line, "%zu columns are no part of a pose, as %.40s", names->others, names->other);
     return BAT_OK;
 }
 
