@@ -37,8 +37,7 @@ export function curve(batten, { coarse, schemes, options, measure = true }, prog
       }
       return result;
     } catch (error) {
-      const { text, remedy, effect } = error;
-      return { scheme, error: { message: error.message, text, remedy, effect } };
+      return { scheme, error: error.message, index: error.index };
     }
   });
   let given = null;
@@ -71,18 +70,6 @@ export function readCurves(batten, { bytes, options }) {
   const { curves, space, point_dim, notes, has_times } = set;
   set.free();
   return { curves, space, point_dim, notes, has_times };
-}
-
-/** Why formats cannot hold curves, by their names; nothing of those that can. */
-export function refusals(batten, { curves, formats }) {
-  const reasons = {};
-  for (const format of formats)
-    try {
-      batten.bat_curve_write_memory(curves, { format });
-    } catch (error) {
-      reasons[format] = error.text ?? error.message;
-    }
-  return reasons;
 }
 
 export function writeCurves(batten, { curves, format }) {
@@ -128,7 +115,7 @@ function tears(coarse, fine, levels) {
 }
 
 /** Refine a map with its topology, and each curve by itself to see what would have torn. */
-export function map(batten, { bytes, options, read, write, formats = [] }, progress) {
+export function map(batten, { bytes, options, read, write }, progress) {
   const set = batten.bat_curve_read_memory(bytes, read);
   const owned = [set];
   try {
@@ -152,7 +139,6 @@ export function map(batten, { bytes, options, read, write, formats = [] }, progr
       space: set.space,
       notes: set.notes,
       report: fine.report,
-      refused: refusals(batten, { curves: set, formats }),
       tears: torn.slice(0, 5000),
       torn: torn.length,
     };
@@ -226,8 +212,8 @@ export function motion(batten, { keys, samples, options }) {
   return { times, ...batten.bat_motion_spline_sample(keys, times, options) };
 }
 
-export function motionFile(batten, { bytes, read, options, format }) {
-  const set = batten.bat_curve_read_memory(bytes, read);
+export function motionFile(batten, { csv, options, format }) {
+  const set = batten.bat_curve_read_memory(csv, { format: "csv" });
   let fine = null;
   try {
     fine = batten.bat_motion_curves(set, options);
@@ -245,7 +231,7 @@ export function analyze(batten, { scheme, level }) {
   try {
     basis = batten.bat_mask_basis(scheme, level);
   } catch (error) {
-    refused = error.text ?? error.message;
+    refused = error.message;
   }
   return { analysis, basis, refused };
 }
