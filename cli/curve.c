@@ -106,8 +106,7 @@ static const option_spec FILE_OPTIONS[] = {
      CHOICE(curve_job, read.format, bat_curve_format_family)},
     {"strict", NULL, INPUT, 0,
      "refuse repeated points, and of motions repeated times and other columns, instead of dropping them, and curves that "
-     "cross "
-     "themselves",
+     "cross themselves",
      FLAG(curve_job, read.strict)},
     {"euler", "ORDER", INPUT, 0, "CSV: the order and unit of roll, pitch and yaw, as zyx,degrees or xyz,radians",
      TEXT(curve_job, read.euler)},

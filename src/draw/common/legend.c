@@ -21,7 +21,7 @@ typedef struct perceived
 
 static draw_colour to_linear(perceived colour)
 {
-    double angle = colour.hue * 0.017453292519943295;
+    double angle = colour.hue * ANGLE_DEGREE;
     double a = colour.chroma * cos(angle), b = colour.chroma * sin(angle);
     double l = colour.lightness + 0.3963377774 * a + 0.2158037573 * b;
     double m = colour.lightness - 0.1055613458 * a - 0.0638541728 * b;

@@ -39,7 +39,6 @@ enum
 #define LINE_FRAME_AXIS 1.5
 #define TOLERANCE 0.05
 
-static const double RADIANS = 0.017453292519943295;
 static const double TURNED = 25, DEFAULT_AZIMUTH = -62, ELEVATION = 28, LEVEL_ELEVATION = 55;
 
 typedef struct placing
@@ -225,8 +224,8 @@ void path_view_make(const film *shown, path_view *view)
         const int *floor = view->floor;
         double along = main_direction(shown, view), height = view->high[view->up] - view->low[view->up];
         double wide = fmax(view->high[floor[0]] - view->low[floor[0]], view->high[floor[1]] - view->low[floor[1]]);
-        double azimuth = isnan(along) ? DEFAULT_AZIMUTH * RADIANS : along - (90 - TURNED) * RADIANS;
-        look_from(view, sign, azimuth, (height < LEVEL * wide ? LEVEL_ELEVATION : ELEVATION) * RADIANS);
+        double azimuth = isnan(along) ? DEFAULT_AZIMUTH * ANGLE_DEGREE : along - (90 - TURNED) * ANGLE_DEGREE;
+        look_from(view, sign, azimuth, (height < LEVEL * wide ? LEVEL_ELEVATION : ELEVATION) * ANGLE_DEGREE);
     }
     pad_box(view);
     view->left = view->bottom = INFINITY;

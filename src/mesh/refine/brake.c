@@ -46,7 +46,7 @@ typedef struct mesh_shape
     uint32_t *region;       ///< faces: the number of their set of coplanar faces
     uint32_t *stack;        ///< workspace, one for each face
     unsigned char *flat;    ///< regions: a flat_kind
-    unsigned char *on_flat; ///< vertices: 1 on a flat face
+    unsigned char *on_flat; ///< vertices: the greatest flat_kind of the faces around
     uint32_t *bends;        ///< vertices: edges of an angle above 0
     uint32_t *solid;        ///< faces: 1 on a connected piece that is a solid, else 0
     memory_pool pool;       ///< of all arrays
@@ -209,7 +209,9 @@ static void find_solids(mesh_shape *shape)
     memset(shape->solid, 0xff, links->face_count * sizeof *shape->solid);
     for (uint32_t f = 0; f < links->face_count; f++)
     {
-        size_t count = shape->solid[f] == BAT_MESH_NONE ? flood(shape, f, INFINITY, 0, shape->solid) : 0;
+        if (shape->solid[f] != BAT_MESH_NONE)
+            continue;
+        size_t count = flood(shape, f, INFINITY, 0, shape->solid);
         bool solid = is_solid(shape, shape->stack, count);
         for (size_t i = 0; i < count; i++)
             shape->solid[shape->stack[i]] = solid;
