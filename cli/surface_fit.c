@@ -222,25 +222,36 @@ static void print_end(const surface_findings *findings)
                      place_of(findings->cloud, result->folds.first));
 }
 
+/// A fault or a doubt: its name in JSON, and the verdict.
+typedef struct verdict_row
+{
+    const char *name, *text;
+} verdict_row;
+
+static const verdict_row FAULTS[] = {
+    [BAT_SURFACE_FAULT_NONE] = {"none", "right"},
+    [BAT_SURFACE_FAULT_MISSES_POINTS] = {"missed", "wrong: points are far from the surface"},
+    [BAT_SURFACE_FAULT_LEAVES_POINTS] = {"strays", "wrong: the surface is far from the points"},
+    [BAT_SURFACE_FAULT_FOLDS] = {"folds", "wrong: the surface stands across the points' tangent planes"},
+    [BAT_SURFACE_FAULT_AREA] = {"area", "wrong: the area is not that of the points"},
+};
+static const verdict_row DOUBTS[] = {
+    [BAT_SURFACE_DOUBT_NONE] = {"none", "right"},
+    [BAT_SURFACE_DOUBT_PLANES] = {"planes", "right, but it leaves the tangent planes of the points beside it"},
+    [BAT_SURFACE_DOUBT_OUTLINE] = {"outline", "right, but neighbours on its outline are far apart"},
+    [BAT_SURFACE_DOUBT_RIM] = {"rim", "right, but points are sparse at its outline, so that the shape may go on"},
+    [BAT_SURFACE_DOUBT_GAP] = {"gap", "right, but a gap between points is closed (see --trim, --close-gaps)"},
+    [BAT_SURFACE_DOUBT_STRAY] = {"stray", "right, but a point lies far off and bends it (see --robust)"},
+    [BAT_SURFACE_DOUBT_AREA] = {"area", "right, but it may cover gaps or noise: --trim gives a smaller surface"},
+};
+
 const char *surface_verdict(const bat_surface_verdict *verdict)
 {
-    static const char *const TEXTS[] = {
-        "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
-        "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
-    static const char *const DOUBTS[] = {"right",
-                                         "right, but it leaves the tangent planes of the points beside it",
-                                         "right, but neighbours on its outline are far apart",
-                                         "right, but points are sparse at its outline, so that the shape may go on",
-                                         "right, but a gap between points is closed (see --trim, --close-gaps)",
-                                         "right, but a point lies far off and bends it (see --robust)",
-                                         "right, but it may cover gaps or noise: --trim gives a smaller surface"};
-    return verdict->fault == BAT_SURFACE_FAULT_NONE ? DOUBTS[verdict->doubt] : TEXTS[verdict->fault];
+    return verdict->fault == BAT_SURFACE_FAULT_NONE ? DOUBTS[verdict->doubt].text : FAULTS[verdict->fault].text;
 }
 
 static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
 {
-    static const char *const NAMES[] = {"none", "missed", "strays", "folds", "area"};
-    static const char *const DOUBTS[] = {"none", "planes", "outline", "rim", "gap", "stray", "area"};
     const double *at = verdict->doubt_place;
     return report_part(
         as_json,
@@ -252,9 +263,10 @@ static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
         "distance_from_points:n farthest:n far_share:n cross_share:n "
         "area:n cloud_area:n spacing:n",
         surface_verdict(verdict), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE && isfinite(at[0])), verdict->doubt_size,
-        at[0], at[1], at[2], DOUBTS[verdict->doubt], report_numbers(at, 3), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
-        NAMES[verdict->fault], verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest,
-        verdict->far_share, verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
+        at[0], at[1], at[2], DOUBTS[verdict->doubt].name, report_numbers(at, 3),
+        (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), FAULTS[verdict->fault].name, verdict->distance_from_surface,
+        verdict->distance_from_points, verdict->farthest, verdict->far_share, verdict->cross_share, verdict->area,
+        verdict->cloud_area, verdict->spacing);
 }
 
 /// The form of the surface: a plane, a tensor product or a hierarchical spline.
