@@ -240,9 +240,9 @@ static const verdict_row DOUBTS[] = {
     [BAT_SURFACE_DOUBT_PLANES] = {"planes", "right, but it leaves the tangent planes of the points beside it"},
     [BAT_SURFACE_DOUBT_OUTLINE] = {"outline", "right, but neighbours on its outline are far apart"},
     [BAT_SURFACE_DOUBT_RIM] = {"rim", "right, but points are sparse at its outline, so that the shape may go on"},
-    [BAT_SURFACE_DOUBT_GAP] = {"gap", "right, but a gap between points is closed (see --trim, --close-gaps)"},
+    [BAT_SURFACE_DOUBT_GAP] = {"gap", "right, but a gap between points is closed"},
     [BAT_SURFACE_DOUBT_STRAY] = {"stray", "right, but a point lies far off and bends it (see --robust)"},
-    [BAT_SURFACE_DOUBT_AREA] = {"area", "right, but it may cover gaps or noise: --trim gives a smaller surface"},
+    [BAT_SURFACE_DOUBT_AREA] = {"area", "right, but larger than what --trim gives"},
 };
 
 const char *surface_verdict(const bat_surface_verdict *verdict)
