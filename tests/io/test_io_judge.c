@@ -81,6 +81,15 @@ static void a_border_that_is_left_is_refused(void **state)
            "curve 1 would leave a border");
 }
 
+// A spike at the ring's first vertex: its way back is not the way around the ring.
+static void a_dropped_spike_leaves_no_border(void **state)
+{
+    (void)state;
+    const char *given = MAP("[10,0],[10,10],[10,0],[10,10],[0,10],[0,0],[10,0]", "[10,0],[20,0],[20,10],[10,10],[10,0]");
+    expect(given, MAP("[10,0],[11,5],[10,10],[0,10],[0,0],[10,0]", "[10,0],[20,0],[20,10],[10,10],[11,5],[10,0]"), NULL,
+           NULL);
+}
+
 // The seam and the poles: the written parts have the area of the given ones.
 static void cut_polygons_pass(void **state)
 {
@@ -101,6 +110,7 @@ int main(void)
         cmocka_unit_test(a_polygon_that_crosses_itself_is_refused),
         cmocka_unit_test(a_ring_may_touch_itself_where_it_nearly_did),
         cmocka_unit_test(a_border_that_is_left_is_refused),
+        cmocka_unit_test(a_dropped_spike_leaves_no_border),
         cmocka_unit_test(cut_polygons_pass),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

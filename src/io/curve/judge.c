@@ -336,25 +336,24 @@ static bool note_edge(border_judge *judge, const double *p, const double *q, siz
     return true;
 }
 
-/// Compare the edges of a curve with those before. Returns false at an edge of which two curves make different things.
-static bool judge_curve(border_judge *judge, const bat_curve *given, const bat_curve *fine)
+/// Walk along a curve and its refinement. Returns false where a given vertex is missing, or where `judge` has seen another
+/// course of an edge before; null: look for the vertices alone.
+static bool walk_curve(border_judge *judge, size_t dim, const bat_curve *given, const bat_curve *fine)
 {
-    size_t dim = judge->dim, at = 0, edges = polygon_edges(given->count, given->closed);
-    size_t last = polygon_edges(fine->count, fine->closed);
+    size_t at = 0, edges = polygon_edges(given->count, given->closed), last = polygon_edges(fine->count, fine->closed);
     for (size_t i = 0; i < edges; i++)
     {
         const double *p = given->points + i * dim, *q = given->points + (i + 1) % given->count * dim;
         size_t hash = 0; // of the new points in either direction
         if (!points_equal(p, fine->points + at % fine->count * dim, dim))
-            return true; // a vertex was moved: nothing can be said of the edges after it
+            return false;
         while (++at < last && !points_equal(q, fine->points + at % fine->count * dim, dim))
             hash += doubles_hash(fine->points + at % fine->count * dim, dim);
-        if (at > last || !points_equal(q, fine->points + at % fine->count * dim, dim))
-            return true;
-        if (!note_edge(judge, p, q, hash))
+        if (at > last || !points_equal(q, fine->points + at % fine->count * dim, dim) ||
+            (judge != NULL && !note_edge(judge, p, q, hash)))
             return false;
     }
-    return true;
+    return at == last;
 }
 
 bat_status judge_borders(const bat_curve_set *given, const bat_curve_set *fine, bat_error *error)
@@ -369,7 +368,8 @@ bat_status judge_borders(const bat_curve_set *given, const bat_curve_set *fine, 
         return error_memory(error, size * sizeof *judge.table);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < given->count && status == BAT_OK; i++)
-        if (!judge_curve(&judge, &given->curves[i], &fine->curves[i]))
+        if (walk_curve(NULL, judge.dim, &given->curves[i], &fine->curves[i]) &&
+            !walk_curve(&judge, judge.dim, &given->curves[i], &fine->curves[i]))
             status = error_set(error, BAT_UNSUPPORTED, i, 0,
                                "curve %zu would leave a border that it shares with a curve before it", i);
     free(judge.table);

@@ -17,6 +17,6 @@
 bat_status judge_polygons(const geojson_shape *given, const geojson_shape *fine, const geojson_style *style, size_t first,
                           bat_error *error);
 
-/// Judge shared edges: what became of one is the same in every curve. Edges of curves with moved vertices do not count.
+/// Judge shared edges: what became of one is the same in every curve. Curves with moved or dropped vertices do not count.
 /// @return BAT_OK, BAT_UNSUPPORTED or BAT_NO_MEMORY
 bat_status judge_borders(const bat_curve_set *given, const bat_curve_set *fine, bat_error *error);
