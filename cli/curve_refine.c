@@ -492,7 +492,7 @@ static json_t *report_map(const bat_curve_map_refine_report *map, const char *un
         "[spikes?dropped: {spikes} points of spikes, edges that lead there and back\n]"
         "[given_crossing?crossing before: {given_crossing} pairs of given edges cross or touch, and may do so refined\n]"
         "[keeps_areas?areas kept to {largest_area_error:.1g} of them\n]"
-        "[crossings?kept apart: {crossings} pairs of refined edges met; the new points of {drawn_back} edges were drawn "
+        "[drawn_back?kept apart: {crossings} pairs of refined edges met; the new points of {drawn_back} edges were drawn "
         "back\n]",
         "arcs:z -one_arc:b nodes:z -one_node:b shared:z dropped:z joints:z given_crossing:z crossings:z drawn_back:z "
         "snapped:z spikes:z largest_area_error:n -keeps_areas:b -snap:n -unit:s",

@@ -178,6 +178,8 @@ enum
 /// The share of the largest relative residual at which conjugate gradients end. Newton's steps do the rest; the system is
 /// singular, so that going on to the last digit would only add what rounding makes inconsistent.
 #define RESIDUAL_SHARE 1e-4
+/// The area of a ring over the square of its points' distances from the middle, from which on it counts.
+#define NO_AREA 1e-9
 /// The largest t: an edge then bulges by its own length, and Newton's method has lost its way.
 #define MAX_SHARE 1.0
 
@@ -186,6 +188,7 @@ typedef struct area_arc
 {
     double *weights; ///< of each refined point: how far it moves for t = 1; 0 for given points
     double *given;   ///< the refined points before they are moved
+    bool *crossing;  ///< of each refined edge: whether it crosses another before they are moved
     double gain;     ///< the area to the left of the arc that is lost for t = 1
     double share;    ///< t of this step
 } area_arc;
@@ -198,10 +201,12 @@ typedef struct area_job
     bool sphere, keeps_points;
     refined_arcs *fine;
     area_arc *arcs;
-    double *targets; ///< of each curve its area; NaN for open curves
+    double *targets; ///< of each curve its area; NaN for open curves, and rings without an area but rounding
     double *areas;
-    double *vectors; ///< five of `count` numbers, for conjugate gradients
-    size_t frozen;   ///< edges whose points stay
+    double *vectors;     ///< five of `count` numbers, for conjugate gradients
+    size_t frozen;       ///< points that stay
+    size_t straightened; ///< edges that became straight
+    bool moved;          ///< whether the arcs are no longer as given
     const map_chart *chart;
     memory_pool pool; ///< of all arrays
 } area_job;
@@ -338,6 +343,7 @@ static bat_status prepare(area_job *job, bat_error *error)
         size_t rows = job->fine->arcs[a].count, values = rows * job->dim;
         job->arcs[a].weights = memory_pool_array(&job->pool, rows, sizeof(double));
         job->arcs[a].given = memory_pool_array(&job->pool, values, sizeof(double));
+        job->arcs[a].crossing = memory_pool_zeros(&job->pool, rows, sizeof(bool));
         status = memory_pool_check(&job->pool, error);
         if (status != BAT_OK)
             return status;
@@ -346,9 +352,13 @@ static bat_status prepare(area_job *job, bat_error *error)
     }
     for (size_t c = 0; c < job->count && status == BAT_OK; c++)
     {
-        double middle[3] = {0};
+        double middle[3] = {0}, length = 0;
         middle_of(job, &job->curves[c], middle);
+        for (size_t i = 0; i < job->curves[c].count; i++)
+            length += job->curves[c].space->distance(job->curves[c].space, middle, job->curves[c].points + i * job->dim);
         job->targets[c] = job->curves[c].closed ? area_under(job, middle, &job->curves[c]) : NAN;
+        if (fabs(job->targets[c]) < NO_AREA * length * length)
+            job->targets[c] = NAN;
     }
     return status;
 }
@@ -369,7 +379,7 @@ static void measure_gains(area_job *job)
 
 static bool is_ring(const area_job *job, size_t curve)
 {
-    return job->curves[curve].closed;
+    return !isnan(job->targets[curve]);
 }
 
 /// The shares of the arcs for multipliers of the rings.
@@ -407,7 +417,7 @@ static void solve_shares(area_job *job, const double *losses)
     {
         x[c] = 0;
         r[c] = is_ring(job, c) ? losses[c] : 0;
-        scale = fmax(scale, fabs(r[c] / (is_ring(job, c) && job->targets[c] != 0 ? job->targets[c] : 1)));
+        scale = fmax(scale, is_ring(job, c) ? fabs(r[c] / job->targets[c]) : 0);
     }
     double *inverse = job->areas; // of the diagonal
     for (size_t c = 0; c < n; c++)
@@ -435,7 +445,7 @@ static void solve_shares(area_job *job, const double *losses)
             r[c] -= product / energy * q[c];
             z[c] = inverse[c] * r[c];
             next += r[c] * z[c];
-            if (is_ring(job, c) && job->targets[c] != 0)
+            if (is_ring(job, c))
                 worst = fmax(worst, fabs(r[c] / job->targets[c]));
         }
         if (worst <= RESIDUAL_SHARE * scale)
@@ -491,7 +501,7 @@ static double measure_areas(area_job *job, double *losses, size_t *ring)
         if (!is_ring(job, c))
             continue;
         losses[c] = refined_area(job, c) - job->targets[c];
-        double relative = job->targets[c] != 0 ? fabs(losses[c] / job->targets[c]) : 0;
+        double relative = fabs(losses[c] / job->targets[c]);
         if (relative > largest)
         {
             largest = relative;
@@ -532,35 +542,49 @@ static bat_status run_newton(area_job *job, double *losses, double *largest, siz
 
 // Crossings
 
-/// The points of the given edge over which a refined edge lies stay as they are, and those of both its neighbours.
+/// The points of the given edge over which a refined edge lies are moved no further. Where the given points stay, the edge
+/// becomes straight: then it crosses no other such edge, and a ring of such edges has its area.
 static void freeze(area_job *job, edge_place place)
 {
-    double *weights = job->arcs[place.curve].weights;
+    area_arc *arc = &job->arcs[place.curve];
     const bat_curve *line = &job->fine->arcs[place.curve];
-    size_t rows = line->count, begin = place.edge, end = (place.edge + 1) % rows;
-    while (weights[begin] > 0)
-    {
-        weights[begin] = 0;
-        job->frozen++;
-        begin = begin > 0 ? begin - 1 : rows - 1;
-    }
-    while (weights[end] > 0)
-    {
-        weights[end] = 0;
-        job->frozen++;
-        end = end + 1 < rows ? end + 1 : 0;
-    }
+    size_t rows = line->count, begin = place.edge, end = (place.edge + 1) % rows, before = job->frozen;
+    for (; arc->weights[begin] > 0; begin = begin > 0 ? begin - 1 : rows - 1, job->frozen++)
+        arc->weights[begin] = 0;
+    for (; arc->weights[end] > 0; end = end + 1 < rows ? end + 1 : 0, job->frozen++)
+        arc->weights[end] = 0;
+    size_t last = end > begin ? end : end + rows;
+    if (!job->keeps_points || job->frozen == before)
+        return;
+    job->straightened++;
+    for (size_t i = begin + 1; i < last; i++)
+        (void)bat_space_geodesic(line->space, arc->given + begin * job->dim, arc->given + end * job->dim,
+                                 (double)(i - begin) / (double)(last - begin), arc->given + (i % rows) * job->dim);
+}
+
+/// Freeze all edges of a ring.
+static void freeze_ring(area_job *job, size_t ring)
+{
+    for (size_t u = job->graph->first_use[ring]; u < job->graph->first_use[ring + 1]; u++)
+        for (size_t i = 0, arc = job->graph->uses[u].arc; i < job->fine->arcs[arc].count; i++)
+            freeze(job, (edge_place){arc, i});
 }
 
 static bool note_crossing(void *context, edge_place first, edge_place second)
 {
     area_job *job = context;
-    freeze(job, first);
-    freeze(job, second);
+    bool *crossing[2] = {&job->arcs[first.curve].crossing[first.edge], &job->arcs[second.curve].crossing[second.edge]};
+    if (!job->moved)
+        *crossing[0] = *crossing[1] = true;
+    else if (!*crossing[0] || !*crossing[1])
+    {
+        freeze(job, first);
+        freeze(job, second);
+    }
     return true;
 }
 
-/// Freeze edges whose refined points cross others.
+/// Freeze edges whose refined points cross others. Those that cross before they are moved may go on.
 static bat_status freeze_crossings(area_job *job, bat_error *error)
 {
     chart_curves charts;
@@ -591,7 +615,8 @@ static bat_status run(area_job *job, bool tested, double *largest, bat_error *er
     bool apart = false;
     size_t ring = BAT_NO_INDEX;
     if (tested)
-        status = freeze_crossings(job, error); // those that crossed before do not count again
+        status = freeze_crossings(job, error);
+    job->moved = true;
     for (size_t round = 0; round < ROUNDS && status == BAT_OK && !apart; round++)
     {
         restore(job);
@@ -599,6 +624,8 @@ static bat_status run(area_job *job, bool tested, double *largest, bat_error *er
         size_t before = job->frozen;
         if (status == BAT_OK && tested)
             status = freeze_crossings(job, error);
+        if (*largest > AREA_PROMISE && job->keeps_points)
+            freeze_ring(job, ring);
         apart = job->frozen == before;
     }
     free(losses);
@@ -610,14 +637,14 @@ static bat_status run(area_job *job, bool tested, double *largest, bat_error *er
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                            "the area of the ring cannot be kept to %g of it without crossings; refine without keep_area",
                            AREA_PROMISE);
-        return error_curve(error, status, ring);
+        return error_operand(error, error_curve(error, status, ring), 0);
     }
     return BAT_OK;
 }
 
 bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_t count,
                           const bat_curve_refine_options *options, const map_chart *chart, bool tested, refined_arcs *fine,
-                          double *largest, bat_error *error)
+                          bat_curve_map_refine_report *report, bat_error *error)
 {
     area_job job = {.graph = graph, .curves = curves, .count = count, .fine = fine, .chart = chart};
     job.dim = curves[0].space->point_dim;
@@ -627,7 +654,8 @@ bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "areas can be kept in the plane and on the sphere only");
     bat_status status = prepare(&job, error);
     if (status == BAT_OK)
-        status = run(&job, tested, largest, error);
+        status = run(&job, tested, &report->largest_area_error, error);
+    report->drawn_back += status == BAT_OK ? job.straightened : 0;
     memory_pool_free(&job.pool);
     return status;
 }

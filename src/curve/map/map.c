@@ -481,11 +481,10 @@ static bat_status smooth_arcs(map_job *job, const map_chart *chart, bool tested,
     bat_status status = arcs_smooth(&job->graph, &job->refine, tested ? chart : NULL, &job->report.curves, error);
     refined_arcs arcs = {.arcs = job->graph.arcs, .count = job->graph.arc_count};
     bat_curve_refine_options moving = job->refine;
-    double largest;
     moving.snap = true; // the points of arcs may move
     if (status != BAT_OK || !keep_area || chart == NULL)
         return status;
-    status = arcs_keep_area(&job->graph, job->curves, job->count, &moving, chart, tested, &arcs, &largest, error);
+    status = arcs_keep_area(&job->graph, job->curves, job->count, &moving, chart, tested, &arcs, &job->report, error);
     return status == BAT_UNSUPPORTED ? BAT_OK : status; // what is left to do comes after refinement
 }
 
@@ -518,7 +517,7 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     }
     if (options->keep_area)
         status = has_chart ? arcs_keep_area(&job->graph, job->curves, job->count, &job->refine, &chart, tested, &job->fine,
-                                            &job->report.largest_area_error, error)
+                                            &job->report, error)
                            : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "there are no areas in this space");
     if (status != BAT_OK)
         return status;

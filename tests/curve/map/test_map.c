@@ -563,6 +563,27 @@ static void test_areas_are_kept(void **state)
     }
 }
 
+// A thin ring of a real map, whose area could only be kept by crossings: edges of it become straight. Given edges that cross
+// do not hinder the rest.
+static void test_areas_of_thin_rings_are_kept(void **state)
+{
+    (void)state;
+    static const double POINTS[] = {224,  8369, 336,  8450, 378,  8460, 342,  8448, 271,  8378, 150,  8278, 218, 8345, // one
+                                    1000, 0,    1100, 10,   1200, -10,  1210, 100,  1100, 120,  1110, -20};
+    static const size_t COUNTS[] = {7, 6};
+    bat_space plane = bat_euclidean(2);
+    bat_curve_set coarse = rings_of(&plane, POINTS, COUNTS, 2);
+    bat_curve_map_refine_report report;
+    bat_curve_map_refine_options how = map_options("learned", 3, &report);
+    how.keep_area = true;
+    bat_curve_set fine = refined_map(&coarse, &how);
+    for (size_t c = 0; c < 2; c++)
+        assert_true(fabs(area_of(&fine.curves[c]) / area_of(&coarse.curves[c]) - 1) < 1e-6);
+    assert_true(report.drawn_back > 0 && report.given_crossing > 0);
+    bat_curve_set_free(&fine);
+    bat_curve_set_free(&coarse);
+}
+
 // A channel that is the first coordinate stays so, whatever direction the arcs have.
 static void test_channels_follow_the_points(void **state)
 {
@@ -811,6 +832,7 @@ int main(void)
         cmocka_unit_test(test_spikes_are_dropped_where_they_are_short),
         cmocka_unit_test(test_near_points_are_joined),
         cmocka_unit_test(test_areas_are_kept),
+        cmocka_unit_test(test_areas_of_thin_rings_are_kept),
         cmocka_unit_test(test_channels_follow_the_points),
         cmocka_unit_test(test_corners_are_nodes),
         cmocka_unit_test(test_stops_work_on_maps),
