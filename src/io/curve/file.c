@@ -77,6 +77,7 @@ static const curve_format FORMATS[] = {
                .holds = HOLDS_FEATURES | HOLDS_MEASURES),
     FORMAT_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL", .drivers = "ESRI Shapefile",
                .holds = HOLDS_FEATURES | HOLDS_MEASURES),
+    // The last driver that knows the ending writes: LIBKML's time grows with the square of the size.
     FORMAT_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL", .drivers = "LIBKML,KML",
                .holds = HOLDS_FEATURES),
     FORMAT_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL", .drivers = "FlatGeobuf",

@@ -453,8 +453,12 @@ static bool can_create(GDALDriverH driver)
 static bat_status choose_driver(layer_writer *writer, const char *drivers, const char *path, bat_error *error)
 {
     char **names = drivers != NULL ? gdal.CSLTokenizeString2(drivers, ",", 0) : NULL;
-    for (char **name = names; name != NULL && *name != NULL && !can_create(writer->driver); name++)
-        writer->driver = gdal.GDALGetDriverByName(*name);
+    for (char **name = names; name != NULL && *name != NULL; name++)
+    {
+        GDALDriverH driver = gdal.GDALGetDriverByName(*name);
+        if (can_create(driver) && (writer->driver == NULL || has_ending(driver, path)))
+            writer->driver = driver;
+    }
     gdal.CSLDestroy(names);
     for (int i = 0; drivers == NULL && writer->driver == NULL && i < gdal.GDALGetDriverCount(); i++)
     {
