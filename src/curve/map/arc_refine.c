@@ -215,11 +215,13 @@ static bat_status refuse_crossings(arc_job *job, bat_error *error)
         (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, &search);
     edge_tree_free(&tree);
     if (status == BAT_OK && search.found.curve != BAT_NO_INDEX)
-        status =
+        status = error_remedy(
+            error,
             error_set(error, BAT_UNSUPPORTED, search.found.edge, 0,
                       "the refined curve crosses a curve after point %zu, and the scheme does not keep the given points, "
                       "to which it could be drawn back",
-                      search.found.edge);
+                      search.found.edge),
+            "simple", "never lets it");
     return error_curve(error, status, search.found.curve);
 }
 

@@ -635,8 +635,7 @@ static bat_status run(area_job *job, bool tested, double *largest, bat_error *er
     {
         restore(job);
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                           "the area of the ring cannot be kept to %g of it without crossings; refine without keep_area",
-                           AREA_PROMISE);
+                           "the area of the ring cannot be kept to %g of it without crossings", AREA_PROMISE);
         return error_operand(error, error_curve(error, status, ring), 0);
     }
     return BAT_OK;
