@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// Make room in a malloc() array for `needed` elements of `size` bytes, doubling it where it moves. False: it is as it was.

@@ -2,7 +2,7 @@
 
 #include "batten/base.h"
 
-#include <stdlib.h>
+#include <stdlib.h> // free() of what is made here
 
 /// True when a * b does not fit size_t; else the product is in *product.
 static inline bool size_multiply_overflows(size_t a, size_t b, size_t *product)

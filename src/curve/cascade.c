@@ -5,7 +5,6 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -6,7 +6,6 @@
 #include "curve/scheme_kind.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double RIGHT = ANGLE_TURN / 4;

@@ -3,7 +3,6 @@
 #include "curve/polygon.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 void bat_curve_free(bat_curve *curve)

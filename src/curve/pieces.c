@@ -11,7 +11,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// From this many pieces a thread on, each thread refines whole pieces; of fewer, the threads share each one's points.

@@ -6,7 +6,6 @@
 #include "curve/parametric.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.

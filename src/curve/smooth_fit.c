@@ -5,8 +5,6 @@
 #include "base/memory.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -9,7 +9,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Splines of Bezier curves through the points of a curve. A Bezier curve over an edge has an odd degree d. Its inner

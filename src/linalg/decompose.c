@@ -6,7 +6,6 @@
 #include "linalg/symmetric.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static bat_status no_convergence(bat_error *error)

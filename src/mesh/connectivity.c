@@ -2,7 +2,6 @@
 #include "base/memory.h"
 #include "mesh/sides.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -4,7 +4,6 @@
 #include "batten/mesh.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -7,8 +7,6 @@
 #include "mesh/measure/closest.h"
 #include "mesh/sides.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -4,9 +4,6 @@
 #include "base/memory.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 /// @file
 /// Triangulation of a polygon in space: quads along the better diagonal, convex polygons as a fan, others by ear clipping
 /// (Meisters, "Polygons have ears", 1975).

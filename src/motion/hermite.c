@@ -7,7 +7,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// The number of points that a thread checks at a time.
 static const size_t BLOCK = 1024;

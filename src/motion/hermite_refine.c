@@ -5,7 +5,6 @@
 #include "motion/hermite_average.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Refinement

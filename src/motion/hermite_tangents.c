@@ -4,7 +4,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define HIGHEST_ORDER 4

@@ -15,8 +15,6 @@
 #include "space/builtin.h"
 #include "space/quaternion.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

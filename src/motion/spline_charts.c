@@ -5,8 +5,6 @@
 #include "linalg/dense.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

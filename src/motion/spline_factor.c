@@ -5,7 +5,6 @@
 #include "space/builtin.h"
 #include "space/quaternion.h"
 
-#include <math.h>
 #include <string.h>
 
 enum

@@ -7,8 +7,6 @@
 #include "linalg/dense.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // With the rotations R of the body, a bias b and gravity g, specific forces f tell the acceleration R (f - b) + g.

@@ -8,8 +8,6 @@
 #include "linalg/vector.h"
 #include "space/quaternion.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // The rates, less a bias b, integrate to rotations G. With the true bias, rotations Y of keys are C exp(x) G exp(noise) with

@@ -6,8 +6,6 @@
 #include "motion/spline_system.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Penalized splines of noisy keys for one weight of the penalty: its system, its solution, and the influence of each key.

@@ -4,8 +4,6 @@
 #include "base/memory.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // The unknowns are the velocities v_k at the keys. Where the space is flat, accelerations are continuous when

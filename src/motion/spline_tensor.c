@@ -5,7 +5,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

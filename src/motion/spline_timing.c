@@ -5,7 +5,6 @@
 #include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // With the old time s as a function of the new one, y = (ds/dt)^2 is piecewise linear in s, and u = dy/ds / 2 is the second

@@ -3,8 +3,6 @@
 #include "batten/space.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-
 /// Whether a space is the library's, so that closed forms apply; not a user's, even with some of our functions.
 bool space_is_euclidean(const bat_space *space);
 bool space_is_plane(const bat_space *space);

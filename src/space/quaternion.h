@@ -2,7 +2,6 @@
 
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdbool.h>
 
 /// @file

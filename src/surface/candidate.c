@@ -14,7 +14,6 @@
 #include "surface/fit/points.h"
 #include "surface/parameterize/weights.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -14,9 +14,7 @@
 #include "surface/parameterize/weights.h"
 #include "surface/trim/trimming.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

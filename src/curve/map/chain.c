@@ -6,7 +6,6 @@
 #include "space/degrees.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// A point where lines end. End 2 i is the first point of curve i, end 2 i + 1 the last.
 typedef struct line_joint

@@ -7,7 +7,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {

@@ -7,8 +7,6 @@
 #include "curve/polygon.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static size_t cell_along(const anchor_grid *grid, double value, int axis)

@@ -8,7 +8,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// Points of the sphere may be off unit length by 1e-9: boxes grow by twice that much and a little.

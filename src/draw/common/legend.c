@@ -3,7 +3,6 @@
 #include "draw/common/ticks.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

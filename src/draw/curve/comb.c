@@ -2,7 +2,6 @@
 #include "base/memory.h"
 #include "draw/curve/scene.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -5,7 +5,6 @@
 #include "curve/map/arc_refine.h"
 #include "curve/polygon.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

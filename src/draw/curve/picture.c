@@ -3,8 +3,6 @@
 #include "draw/common/sheet.h"
 #include "draw/curve/scene.h"
 
-#include <stdlib.h>
-
 /// @file
 /// Pictures of curves: a page of panels with a legend.
 

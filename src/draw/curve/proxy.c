@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "curve/polygon.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -5,8 +5,6 @@
 #include "base/memory.h"
 #include "base/option.h"
 
-#include <stdlib.h>
-
 /// @file
 /// Checks and measurements of a picture's panels.
 

@@ -4,7 +4,6 @@
 #include "linalg/vector.h"
 
 #include <cairo.h>
-#include <math.h>
 #include <stdbool.h>
 
 /// @file

@@ -8,7 +8,6 @@
 #include "io/common/json.h"
 
 #include <cairo.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

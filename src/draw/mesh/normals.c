@@ -5,9 +5,6 @@
 #include "base/threads.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 /// @file
 /// Angle-limited vertex normals of non-manifold meshes.
 

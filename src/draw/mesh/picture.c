@@ -9,7 +9,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Pictures of meshes: a page of shaded panels with a colour scale.

@@ -5,9 +5,6 @@
 #include "base/threads.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 /// @file
 /// Scan conversion of triangles in bands of rows, one band for each thread.
 

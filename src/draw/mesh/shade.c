@@ -6,8 +6,6 @@
 #include "draw/common/legend.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -1,8 +1,6 @@
 #include "draw/mesh/shade.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-
 /// @file
 /// Automatic views from second moments of the surface.
 

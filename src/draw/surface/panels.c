@@ -6,7 +6,6 @@
 #include "draw/common/sheet.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Panels of a cloud, a shaded surface, and a surface with errors at its points.

@@ -5,8 +5,6 @@
 #include "linalg/vector.h"
 #include "surface/trim/trimming.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

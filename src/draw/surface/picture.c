@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /// @file
 /// Pictures of surface fits: rows of panels with the cloud, the surface, the errors and the parameter plane.

@@ -4,7 +4,6 @@
 #include "draw/common/sheet.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -4,8 +4,6 @@
 #include "linalg/symmetric.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-
 /// @file
 /// Automatic views of patches from their boundary, centroid and principal axes.
 

@@ -3,7 +3,6 @@
 #include "io/common/time_text.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <strings.h>
 
 /// A place this near to a row is the row.

@@ -4,7 +4,6 @@
 #include "space/degrees.h"
 
 #include <inttypes.h>
-#include <math.h>
 
 /// @file
 /// Writers of CSV and of trajectories.

@@ -7,8 +7,6 @@
 #include "linalg/vector.h"
 #include "space/degrees.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double HALF_TURN = 180.0, TURN = 360.0, QUARTER_TURN = 90.0;

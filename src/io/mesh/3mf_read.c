@@ -5,8 +5,6 @@
 #include "io/mesh/builder.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-
 /// @file
 /// Reader of 3MF: 3MF Consortium, "3D Manufacturing Format: Core Specification" 1.3. The meshes of the objects that the
 /// build places become one mesh, in millimetres.

@@ -5,8 +5,6 @@
 #include "linalg/vector.h"
 #include "mesh/check.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

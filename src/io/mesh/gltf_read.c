@@ -3,8 +3,6 @@
 #include "io/mesh/builder.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-
 /// @file
 /// Reader of glTF 2.0: the triangles of all meshes of a scene, in the scene's coordinates.
 ///

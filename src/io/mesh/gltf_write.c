@@ -9,9 +9,7 @@
 #include "io/mesh/gltf.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

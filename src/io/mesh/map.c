@@ -5,7 +5,6 @@
 #include "learn/safetensors.h"
 #include "mesh/decimate/map.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -2,7 +2,6 @@
 #include "io/mesh/builder.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <strings.h>
 
 /// @file

@@ -5,7 +5,6 @@
 #include "space/quaternion.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -16,8 +16,6 @@
 #include "surface/trim/trimming.h"
 
 #include <assert.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// The samples of all cells are on one lattice over the square, with `samples` steps across a cell of the finest level. A

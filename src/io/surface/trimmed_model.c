@@ -5,7 +5,6 @@
 #include "io/common/number_text.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /// @file

@@ -9,8 +9,6 @@
 #include "mesh/check.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Construction of the tree by repeated halving at medians, and search with a stack, nearest boxes first.

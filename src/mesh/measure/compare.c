@@ -10,8 +10,6 @@
 #include "mesh/measure/closest.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -10,8 +10,6 @@
 #include "mesh/check.h"
 #include "mesh/measure/closest.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

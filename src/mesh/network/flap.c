@@ -5,7 +5,6 @@
 #include "mesh/refine/level.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

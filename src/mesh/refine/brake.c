@@ -6,7 +6,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// Vertices within this share of the diagonal are on a plane: coordinates of six digits, and of single precision.

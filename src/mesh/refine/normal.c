@@ -5,7 +5,6 @@
 #include "batten/mesh_refine.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -5,7 +5,6 @@
 #include "mesh/refine/brake.h"
 #include "mesh/refine/plan.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -4,7 +4,6 @@
 #include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// A vertex of valence n becomes (1 - a) v + a / n sum_i v_i with a = (4 - 2 cos(2 pi / n)) / 9; the new vertex of a face is

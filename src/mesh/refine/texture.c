@@ -5,7 +5,6 @@
 #include "mesh/hash_table.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

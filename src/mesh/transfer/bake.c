@@ -9,7 +9,6 @@
 #include "mesh/measure/closest.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

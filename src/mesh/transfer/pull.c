@@ -8,7 +8,6 @@
 #include "mesh/labels.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

@@ -4,8 +4,6 @@
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

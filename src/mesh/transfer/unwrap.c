@@ -6,8 +6,6 @@
 #include "linalg/vector.h"
 #include "mesh/check.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

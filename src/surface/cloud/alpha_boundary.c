@@ -15,7 +15,6 @@
 #include "mesh/hash_table.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -11,7 +11,6 @@
 #include "surface/cloud/part.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const int MIN_BOUNDARY = 4;

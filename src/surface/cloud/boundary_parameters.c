@@ -15,8 +15,6 @@
 #include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// A closed polygon, parameterized by arc length.

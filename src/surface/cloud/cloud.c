@@ -9,7 +9,6 @@
 #include "surface/cloud/spatial_order.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 void bat_cloud_free(bat_cloud *cloud)

@@ -9,7 +9,6 @@
 
 #include <libqhull_r/libqhull_r.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 void simplices_free(simplices *made)

@@ -8,8 +8,6 @@
 #include "linalg/symmetric.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 local_plane local_plane_fit(const double *points, const neighbour_list *list)

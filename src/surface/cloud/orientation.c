@@ -10,8 +10,6 @@
 #include "base/memory.h"
 #include "base/threads.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -8,7 +8,6 @@
 #include "base/threads.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 void cloud_part_free(cloud_part *part)

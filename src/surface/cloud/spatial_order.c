@@ -6,7 +6,6 @@
 #include "surface/cloud/local_plane.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 void spatial_order_free(spatial_order *order)

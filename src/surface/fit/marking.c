@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

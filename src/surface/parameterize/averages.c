@@ -9,7 +9,6 @@
 #include "base/progress.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

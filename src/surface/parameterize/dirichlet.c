@@ -18,7 +18,6 @@
 #include "base/progress.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -11,7 +11,6 @@
 #include "surface/cloud/delaunay.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -7,7 +7,6 @@
 #include "base/threads.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -16,7 +16,6 @@
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define FIRST_CELLS 12 ///< least number of cells of the first grid along the longest side

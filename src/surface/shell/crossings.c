@@ -10,7 +10,6 @@
 #include "linalg/vector.h"
 #include "search/nearest.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -8,8 +8,6 @@
 
 #include "linalg/vector.h"
 
-#include <math.h>
-
 #define OUTSIDE_CELLS 200 ///< most cells along the longest side of the grid that finds the outside
 #define OUTSIDE_MARGIN 8
 #define OUTSIDE_REACH 32 ///< steps

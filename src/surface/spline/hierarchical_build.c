@@ -14,7 +14,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// Convert the boxes of the tree to runs of cells for each level.

@@ -9,7 +9,6 @@
 #include "base/option.h"
 
 #include <limits.h>
-#include <stdlib.h>
 
 static const size_t FINEST = BAT_HIERARCHICAL_MAX_LEVELS - 1;
 

@@ -10,7 +10,6 @@
 #include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 bat_status knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)

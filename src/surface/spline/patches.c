@@ -10,7 +10,6 @@
 #include "base/memory.h"
 #include "surface/spline/hierarchical_space.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// The run with the same columns in the next row, if there is one.

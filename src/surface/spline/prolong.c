@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// Whether `refined` contains `space`: the same options, and at least the same level everywhere.

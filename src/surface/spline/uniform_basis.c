@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// Knot i of a grid with `cells` cells, in units of half a cell.

@@ -12,7 +12,6 @@
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
