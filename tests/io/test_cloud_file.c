@@ -90,7 +90,16 @@ static void test_scans_of_the_trade(void **state)
         {".pts", "1\n.5 -1 2e3 -7 1 2 3\n2\n1 2 3 -7 1 2 3\n4 5 6.25 -7 1 2 3\n", "4 others"},
         {".txt", "Z X Y\n2e3 .5 -1\nnan nan nan\n3 1 2\n6.25 4 5\n", "1 rows without"},
         {".xyz", "0,5;-1;2000\n1;2;3\n4;5;6,25\n", "decimal commas"},
-        {".xyz", "east north up\n.5 -1 2e3\n1 2 3\n4 5 6.25\n", "does not name x"},
+        {".xyz", "east north up\n.5 -1 2e3\n1 2 3\n4 5 6.25\n", "columns 1, 2 and 3"},
+        {".csv", "Nr;Hochwert;Rechtswert;H\u00F6he\n7;-1;.5;2e3\n8;2;1;3\n9;5;4;6.25\n", "columns 3, 2 and 4"},
+        {".csv", "Point,Northing (ft),Easting (ft),Elev,Code\n1,-1,.5,2e3,a\n2,2,1,3,b\n3,5,4,6.25,\n",
+         "columns 3, 2 and 4"},
+        {".csv", "time,h,N,E\n.1,2e3,-1,.5\n.2,3,2,1\n.3,6.25,5,4\n", "columns 4, 3 and 2"},
+        {".csv", "lat,lon,x_m,y_m,z\n7,7,.5,-1,2e3\n7,7,1,2,3\n7,7,4,5,6.25\n", "columns 3, 4 and 5"},
+        {".txt", "# a scan\n# t x y z\n7 .5 -1 2e3\n7 1 2 3\n7 4 5 6.25\n", "columns 2, 3 and 4"},
+        {".xyz", "# scans of one day\n.5 -1 2e3 1\n1 2 3 1\n4 5 6.25 1\n", "1 others"},
+        {".csv", "0,.5,-1,2e3\n1,1,2,3\n2,4,5,6.25\n", "counts the points"},
+        {".xyz", "3\n1.000 .5 -1 2e3 255\n2.000 1 2 3 255\n3.000 4 5 6.25 255\n", "counts the points"},
         {".csv", "x;y;z\n0,5;-1;2000\n1;2;3\n4;5;6,25\n", "decimal commas"},
         {".xyz", "X,Y,Z,I\n.5,-1,2e3,7\n1,2,3,7\n4,5,6.25,7\n", "\"X,Y,Z,I\""},
     };
@@ -195,7 +204,10 @@ static void test_bad_files_are_refused_at_their_line(void **state)
     assert_refused("1 2 3\n4 # 5 6\n", ".xyz", BAT_BAD_FILE, 2, "point 1 has no y");
     assert_refused("1 2 3\n4 5 6x\n", ".xyz", BAT_BAD_FILE, 2, "'6x' is not a number");
     assert_refused("1,5 2 3\n", ".xyz", BAT_BAD_FILE, 1, "2 columns");
-    assert_refused("a b c\nd e f\n1 2 3\n", ".xyz", BAT_BAD_FILE, 2, "'d' is not a number");
+    assert_refused("a b c\n1 2 3\n", ".xyz", BAT_BAD_FILE, 1, "\"a b c\" do not name x, y and z: rename");
+    assert_refused("My scan\n1 2 3\n", ".xyz", BAT_BAD_FILE, 1, "\"My scan\"");
+    assert_refused("1\nid,x,y,time\n1,2,3,4\n", ".csv", BAT_BAD_FILE, 2, "\"id,x,y,time\"");
+    assert_refused("lat,lon,alt\n1,2,3\n", ".csv", BAT_BAD_FILE, 1, "project longitude and latitude");
     assert_refused("X Y Z\nX Y Z\n1 2 3\n", ".xyz", BAT_BAD_FILE, 2, "'X' is not a number");
     assert_refused("# r\n3\n1 2 3\n4 5 6\n", ".pts", BAT_BAD_FILE, 2, "3 points are announced, but 2 follow");
     assert_refused("1\n1 2 3\n4 5 6\n", ".pts", BAT_BAD_FILE, 1, "1 points are announced, but 2 follow");

@@ -163,7 +163,8 @@ typedef struct named_coordinates
     bool spelled; ///< the names are other than lon, lng, long, longitude, lat, latitude, x, y, z
 } named_coordinates;
 
-named_coordinates names_find_coordinates(const column_names *names);
+/// `planar`: longitude and latitude are none.
+named_coordinates names_find_coordinates(const column_names *names, bool planar);
 
 // Rows of CSV text: separators, quotes and numbers.
 

@@ -58,7 +58,7 @@ static void choose_places(const csv_columns *columns, size_t most, size_t fewest
 void csv_columns_choose(const csv_columns *columns, const char *space, bool motion, csv_choice *choice)
 {
     column_names names = names_of(columns);
-    named_coordinates named = names_find_coordinates(&names);
+    named_coordinates named = names_find_coordinates(&names, false);
     bool two = space != NULL && (strcmp(space, "plane") == 0 || strcmp(space, "disk") == 0);
     bool sphere = space != NULL && strcmp(space, "sphere") == 0;
     bool flat = space != NULL && strcmp(space, "euclidean") == 0;
@@ -390,26 +390,26 @@ static size_t find_spelled(const column_names *names, spellings known, name_part
     return BAT_NO_INDEX;
 }
 
-static spellings const LONGITUDES =
-    SPELLINGS("lon", "lng", "long", "longitude", "decimallongitude", "gpslon", "gpslng", "gpslong", "gpslongitude",
-              "locationlong", "locationlongitude", "positionlong", "longitud", "l\xC3\xA4ngengrad", "laengengrad");
-static spellings const LATITUDES = SPELLINGS("lat", "latitude", "decimallatitude", "gpslat", "gpslatitude", "locationlat",
-                                             "locationlatitude", "positionlat", "latitud", "breitengrad");
 static spellings const ALTITUDES = SPELLINGS("alt", "altitude", "ele", "elev", "elevation", "height", "z", "h",
                                              "gpsaltitude", "enhancedaltitude", "h\xC3\xB6he", "hoehe");
 
-/// The spellings of one kind of plane coordinates.
+/// The spellings of pairs of coordinates: longitude and latitude first, then those of the plane.
 static const struct plane_names
 {
     spellings first, second;
-} PLANES[] = {
-    {SPELLINGS("x", "xcoord", "xcoordinate", "coordx", "pointx", "posx", "positionx", "utmx"),
-     SPELLINGS("y", "ycoord", "ycoordinate", "coordy", "pointy", "posy", "positiony", "utmy")},
+} PAIRS[] = {
+    {SPELLINGS("lon", "lng", "long", "longitude", "decimallongitude", "gpslon", "gpslng", "gpslong", "gpslongitude",
+               "locationlong", "locationlongitude", "positionlong", "longitud", "l\xC3\xA4ngengrad", "laengengrad"),
+     SPELLINGS("lat", "latitude", "decimallatitude", "gpslat", "gpslatitude", "locationlat", "locationlatitude",
+               "positionlat", "latitud", "breitengrad")},
+    {SPELLINGS("x", "xcoord", "xcoordinate", "coordx", "pointx", "posx", "positionx", "utmx", "points0"),
+     SPELLINGS("y", "ycoord", "ycoordinate", "coordy", "pointy", "posy", "positiony", "utmy", "points1")},
     {SPELLINGS("easting", "eastings", "east", "e", "utme", "utmeasting", "rechtswert", "ostwert", "rw"),
      SPELLINGS("northing", "northings", "north", "n", "utmn", "utmnorthing", "hochwert", "nordwert", "hw")},
 };
-static spellings const THIRDS = SPELLINGS("z", "zcoord", "zcoordinate", "coordz", "pointz", "posz", "positionz", "alt",
-                                          "altitude", "ele", "elev", "elevation", "height", "h", "h\xC3\xB6he", "hoehe");
+static spellings const THIRDS =
+    SPELLINGS("z", "zcoord", "zcoordinate", "coordz", "pointz", "posz", "positionz", "alt", "altitude", "ele", "elev",
+              "elevation", "height", "h", "h\xC3\xB6he", "hoehe", "up", "points2");
 static spellings const FOURTHS = SPELLINGS("w");
 
 /// Whether two columns exist with units of one kind.
@@ -456,20 +456,16 @@ static named_coordinates as_geographic(const column_names *names, named_coordina
     return found;
 }
 
-named_coordinates names_find_coordinates(const column_names *names)
+named_coordinates names_find_coordinates(const column_names *names, bool planar)
 {
     named_coordinates found = {.altitude = BAT_NO_INDEX};
     name_unit unit;
     name_parts parts;
-    if (names->names == NULL)
-        return found;
-    if (find_pair(names, LONGITUDES, LATITUDES, &found, &unit) && unit != NAME_UNIT_LENGTH)
-        return as_geographic(names, found, unit);
-    for (size_t i = 0; i < sizeof PLANES / sizeof *PLANES; i++)
+    for (size_t i = planar ? 1 : 0; i < sizeof PAIRS / sizeof *PAIRS && names->names != NULL; i++)
     {
-        if (!find_pair(names, PLANES[i].first, PLANES[i].second, &found, &unit))
+        if (!find_pair(names, PAIRS[i].first, PAIRS[i].second, &found, &unit) || (i == 0 && unit == NAME_UNIT_LENGTH))
             continue;
-        if (unit == NAME_UNIT_DEGREES || unit == NAME_UNIT_RADIANS)
+        if (i == 0 || unit == NAME_UNIT_DEGREES || unit == NAME_UNIT_RADIANS)
             return as_geographic(names, found, unit);
         size_t third = find_spelled(names, THIRDS, &parts), fourth = find_spelled(names, FOURTHS, &parts);
         found.count = 2;

@@ -346,7 +346,7 @@ static bat_status use_form(csv_reader *reader, const point_form *form, bat_error
 static void keep_columns(const csv_reader *reader, const column_names *names, bool *kept)
 {
     const point_form *form = point_form_of_motion(names);
-    named_coordinates named = names_find_coordinates(names);
+    named_coordinates named = names_find_coordinates(names, false);
     for (size_t i = 0; form == NULL && i < named.count; i++)
         kept[named.columns[i]] = true;
     if (form == NULL && !named.geographic)
@@ -414,7 +414,7 @@ static bat_status use_chosen(csv_reader *reader, const char *list, const char *s
     column_names sub = {reader->attributes->csv->names != NULL ? names : NULL, count};
     for (size_t i = 0; i < count && sub.names != NULL; i++)
         names[i] = reader->attributes->csv->names[chosen[i]];
-    named_coordinates named = names_find_coordinates(&sub);
+    named_coordinates named = names_find_coordinates(&sub, false);
     bool sphere = space != NULL && strcmp(space, "sphere") == 0;
     *choice = (csv_choice){.space = space, .count = count, .altitude = BAT_NO_INDEX, .times = BAT_NO_INDEX};
     memcpy(choice->columns, chosen, count * sizeof *chosen);

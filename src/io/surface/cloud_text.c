@@ -99,10 +99,11 @@ typedef struct row_layout
 typedef struct row_reader
 {
     const file_text *text;
-    text_line line;  ///< the next row
-    bool more;       ///< there is one
-    text_line names; ///< `begin` is null without
-    bool named;      ///< they name x, y and z
+    text_line line;        ///< the next row
+    bool more;             ///< there is one
+    text_line names;       ///< `begin` is null without
+    text_line remark;      ///< the last one before the first row, without its sign; `begin` is null without
+    bool spelled, counted; ///< the names are others than x, y and z; the first column counts the rows
     row_layout layout;
     csv_field fields[BAT_SPACE_MAX_DIM];
     size_t told, told_line, begun; ///< rows of a block that a line before them tells, line 0 without; rows before it
@@ -112,9 +113,10 @@ typedef struct row_reader
 
 static void next_row(row_reader *reader)
 {
-    do
-        reader->more = text_line_next(reader->text, &reader->line);
-    while (reader->more && (reader->line.begin == reader->line.end || *reader->line.begin == '#'));
+    text_line *line = &reader->line;
+    while ((reader->more = text_line_next(reader->text, line)) && (line->begin == line->end || *line->begin == '#'))
+        if (reader->rows == 0 && line->begin < line->end)
+            reader->remark = (text_line){csv_trimmed(line->begin + 1, line->end).begin, line->end, line->number, NULL};
 }
 
 static bat_status split_row(row_reader *reader, const text_line *line, char separator, size_t *count, bat_error *error)
@@ -125,17 +127,33 @@ static bat_status split_row(row_reader *reader, const text_line *line, char sepa
     return fault == NULL ? BAT_OK : ERROR_FILE(error, line->number, "%s", fault);
 }
 
-/// Find the fields that are named x, y and z. Whether all are there.
-static bool find_names(const csv_field *fields, size_t count, size_t places[3])
+/// Find the columns of the coordinates by their names.
+static bat_status find_names(row_reader *reader, bat_error *error)
 {
-    static const char *const names[] = {"x", "y", "z"};
-    places[0] = places[1] = places[2] = SIZE_MAX;
-    for (size_t i = 0; i < count; i++)
-        for (size_t k = 0; k < 3; k++)
-            if (fields[i].end - fields[i].begin == 1 && strncasecmp(fields[i].begin, names[k], 1) == 0 &&
-                places[k] == SIZE_MAX)
-                places[k] = i;
-    return places[0] != SIZE_MAX && places[1] != SIZE_MAX && places[2] != SIZE_MAX;
+    char excerpt[EXCERPT_SIZE];
+    csv_columns columns = {0};
+    if (!csv_columns_name(&columns, reader->fields, reader->layout.columns))
+        return error_memory(error, reader->layout.columns * sizeof(char *));
+    const column_names names = {columns.names, columns.count};
+    const named_coordinates named = names_find_coordinates(&names, true), globe = names_find_coordinates(&names, false);
+    csv_columns_free(&columns);
+    reader->spelled = named.spelled;
+    if (named.count < 3)
+        return ERROR_FILE(error, reader->names.number, "the columns \"%s\" do not name x, y and z: %s",
+                          text_excerpt(excerpt, reader->names.begin, reader->names.end),
+                          globe.geographic ? "project longitude and latitude to lengths" : "rename them");
+    memcpy(reader->layout.places, named.columns, sizeof reader->layout.places);
+    return BAT_OK;
+}
+
+/// Use the remark before the first row where it names as many columns as that row has.
+static void take_remark(row_reader *reader)
+{
+    size_t count = 0;
+    reader->names = reader->remark;
+    if (split_row(reader, &reader->names, csv_find_separator(&reader->names), &count, NULL) != BAT_OK ||
+        count != reader->layout.columns || find_names(reader, NULL) != BAT_OK)
+        reader->names.begin = NULL;
 }
 
 /// Take a row of names, which CloudCompare begins with two slashes.
@@ -193,7 +211,24 @@ static bool is_free_row(const text_line *line)
     return found == 3;
 }
 
-/// Read what stands before the points, and find their columns: those named x, y and z if all exist, else the first three.
+/// Whether the first column counts all rows, from 0 or 1.
+static bool counts_rows(row_reader reader)
+{
+    double first = 0, value;
+    for (size_t rows = 0; reader.more; next_row(&reader), rows++)
+    {
+        const char *begin = reader.line.begin + (*reader.line.begin == '"'),
+                   *end = number_scan(begin, reader.line.end, &value);
+        bool ends =
+            end != NULL && end < reader.line.end && (*end == '"' || text_is_blank(*end) || *end == reader.layout.separator);
+        first = rows == 0 && ends ? value : first;
+        if (!ends || (first != 0 && first != 1) || value != first + (double)rows)
+            return false;
+    }
+    return true;
+}
+
+/// Read what stands before the points, and find their columns: by their names, else the first three after a count of rows.
 static bat_status find_layout(row_reader *reader, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -214,13 +249,16 @@ static bat_status find_layout(row_reader *reader, bat_error *error)
     layout->is_free = separator == ' ' || (mixed && reader->names.begin == NULL && is_free_row(&reader->line));
     layout->separator = layout->is_free ? ' ' : separator;
     const text_line *first = reader->names.begin != NULL ? &reader->names : &reader->line;
-    size_t places[3];
     status = split_row(reader, first, csv_find_separator(first), &layout->columns, error);
-    reader->named = status == BAT_OK && first == &reader->names && find_names(reader->fields, layout->columns, places);
-    if (reader->named)
-        memcpy(layout->places, places, sizeof places);
     if (status == BAT_OK && layout->columns < 3 && !layout->is_free)
         status = ERROR_FILE(error, first->number, "%zu columns, but a point has 3 coordinates", layout->columns);
+    if (status == BAT_OK && reader->names.begin == NULL && reader->remark.begin != NULL)
+        take_remark(reader);
+    else if (status == BAT_OK && reader->names.begin != NULL)
+        status = find_names(reader, error);
+    reader->counted = status == BAT_OK && reader->names.begin == NULL && layout->columns > 3 && counts_rows(*reader);
+    for (size_t k = 0; k < 3 && reader->counted; k++)
+        layout->places[k]++;
     return status;
 }
 
@@ -294,17 +332,16 @@ static bat_status read_rows(row_reader *reader, size_t last, point_listing *list
 static bat_status note_rows(const row_reader *reader, bat_mesh_notes *notes, bat_error *error)
 {
     const text_line *names = &reader->names;
+    const size_t *places = reader->layout.places, columns = reader->layout.columns;
     char excerpt[EXCERPT_SIZE];
     bat_status status = BAT_OK;
-    if (names->begin != NULL)
-        (void)text_excerpt(excerpt, names->begin, names->end);
-    if (names->begin != NULL && !reader->named && reader->layout.columns > 0)
-        status = mesh_note(notes, error, "\"%s\" does not name x, y and z: they are the first three columns", excerpt);
-    else if (names->begin != NULL && reader->layout.columns > 3)
-        status = mesh_note(notes, error, "of the columns \"%s\" x, y and z are used alone", excerpt);
-    else if (reader->layout.columns > 3)
-        status = mesh_note(notes, error, "the first three columns are x, y and z; the %zu others are not used",
-                           reader->layout.columns - 3);
+    if (names->begin != NULL && (reader->spelled || columns > 3))
+        status = mesh_note(notes, error, "columns %zu, %zu and %zu of \"%s\" are x, y and z", places[0] + 1, places[1] + 1,
+                           places[2] + 1, text_excerpt(excerpt, names->begin, names->end));
+    else if (reader->counted)
+        status = mesh_note(notes, error, "the first column counts the points; the next three are x, y and z");
+    else if (names->begin == NULL && columns > 3)
+        status = mesh_note(notes, error, "the first three columns are x, y and z; the %zu others are not used", columns - 3);
     if (status == BAT_OK && reader->comma)
         status = mesh_note(notes, error, "numbers have decimal commas");
     return status == BAT_OK && reader->missing > 0
