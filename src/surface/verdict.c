@@ -541,9 +541,11 @@ static bat_status clip_samples(const bat_spline_trim *trim, const double *parame
     bat_status status = trim_region_make(trim, &region, error);
     if (status != BAT_OK)
         return status;
-    double low[2] = {1, 1}, high[2] = {0, 0};
+    double low[2] = {1, 1}, high[2] = {0, 0}, sum = 0, area = 0;
     for (size_t i = 0; i < count; i++)
         box_include(2, parameters + 2 * i, low, high);
+    for (size_t e = 0; e < region.count; e++)
+        area += vector2_turn(low, region.points[e], region.points[trim_region_next(&region, e)]) / 2;
     size_t kept = 0;
     for (size_t s = 0; s < samples->count; s++)
     {
@@ -552,9 +554,12 @@ static bat_status clip_samples(const bat_spline_trim *trim, const double *parame
         if (trim->loop_count > 0 ? !trim_region_contains(&region, at[0], at[1]) : beyond)
             continue;
         memmove(samples->parameters + 2 * kept, at, 2 * sizeof *at);
+        sum += samples->shares[s];
         samples->shares[kept++] = samples->shares[s];
     }
     samples->count = kept;
+    for (size_t s = 0; s < kept && area > 0; s++)
+        samples->shares[s] *= area / sum; // samples meet the polygons' area by chance alone
     trim_region_free(&region);
     return BAT_OK;
 }

@@ -401,25 +401,40 @@ static uint32_t write_parameter_curve(step_text *step, const bat_spline_curve *p
     return write_entity(step, "PCURVE('',#%u,#%u)", surface, definition);
 }
 
-/// Write the edges of a loop and the bound of the face. Returns the number of the bound.
+/// Whether an edge begins at a cubic of an image: at the first and where the trimming curve may have a corner, across which
+/// other programs do not integrate. Each cubic ends at every third control point.
+static bool begins_edge(const bat_spline_curve *piece, const bat_spline_curve *image, size_t cubic)
+{
+    double t = image->knots.knots[3 * cubic + 1];
+    size_t span = knot_vector_span(&piece->knots, t);
+    return piece->knots.knots[span] == t && piece->knots.knots[span + 1 - (size_t)piece->knots.degree] == t;
+}
+
+/// Write the edges of a loop and the bound of the face. Edges of one image share its curves. Returns the number of the
+/// bound.
 static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model, size_t loop, uint32_t surface,
                                     uint32_t planar, const step_entities *entities)
 {
-    size_t begin = model->trim->loops[loop], count = model->trim->loops[loop + 1] - begin;
+    size_t count = 0;
     uint32_t *vertices = entities->vertices, *edges = entities->edges;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = model->trim->loops[loop]; i < model->trim->loops[loop + 1]; i++)
     {
-        uint32_t point = write_point(step, model->images[begin + i].control, 3);
-        vertices[i] = write_entity(step, "VERTEX_POINT('',#%u)", point);
+        const bat_spline_curve *image = &model->images[i];
+        uint32_t space = write_curve(step, &image->knots, image->control, 3);
+        uint32_t flat = write_parameter_curve(step, &model->trim->pieces[i], surface, planar);
+        uint32_t both = write_entity(step, "SURFACE_CURVE('',#%u,(#%u),.CURVE_3D.)", space, flat);
+        for (size_t k = 0; 3 * k + 1 < knot_vector_functions(&image->knots); k++)
+            if (begins_edge(&model->trim->pieces[i], image, k))
+            {
+                uint32_t point = write_point(step, image->control + 9 * k, 3);
+                vertices[count] = write_entity(step, "VERTEX_POINT('',#%u)", point);
+                edges[count++] = both;
+            }
     }
     for (size_t i = 0; i < count; i++)
     {
-        const bat_spline_curve *image = &model->images[begin + i];
-        uint32_t space = write_curve(step, &image->knots, image->control, 3);
-        uint32_t flat = write_parameter_curve(step, &model->trim->pieces[begin + i], surface, planar);
-        uint32_t both = write_entity(step, "SURFACE_CURVE('',#%u,(#%u),.CURVE_3D.)", space, flat);
-        uint32_t edge = write_entity(step, "EDGE_CURVE('',#%u,#%u,#%u,.T.)", vertices[i], vertices[(i + 1) % count], both);
-        edges[i] = write_entity(step, "ORIENTED_EDGE('',*,*,#%u,.T.)", edge);
+        edges[i] = write_entity(step, "EDGE_CURVE('',#%u,#%u,#%u,.T.)", vertices[i], vertices[(i + 1) % count], edges[i]);
+        edges[i] = write_entity(step, "ORIENTED_EDGE('',*,*,#%u,.T.)", edges[i]);
     }
     uint32_t path = begin_entity(step, "EDGE_LOOP('',");
     append_references(step, edges, count);
@@ -459,8 +474,10 @@ static bat_status write_file(const step_model *model, const trimmed_model *trimm
     step_entities entities = {0};
     step_text step = {.sink = sink, .error = error};
     const surface_shell *shell = &model->shell;
-    size_t pieces = trimmed != NULL ? trimmed->piece_count : 0;
-    bat_status status = trimmed != NULL ? make_entities(pieces, pieces, trimmed->trim->loop_count, &entities, error)
+    size_t edges = 0; // at most, of a trimmed surface
+    for (size_t i = 0; trimmed != NULL && i < trimmed->piece_count; i++)
+        edges += knot_vector_functions(&trimmed->trim->pieces[i].knots);
+    bat_status status = trimmed != NULL ? make_entities(edges, edges, trimmed->trim->loop_count, &entities, error)
                                         : check_count(model, error);
     if (status == BAT_OK && trimmed == NULL)
         status = make_entities(shell->vertex_count, shell->edge_count, shell->face_count, &entities, error);
