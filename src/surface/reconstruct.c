@@ -176,8 +176,11 @@ static bat_status use_chart(reconstruction *work, bat_error *error)
 
 static bat_status make_trimming(reconstruction *work, bat_error *error)
 {
-    bat_status status =
-        trimming_make(&work->geometry, work->options->fill_holes, work->options->close_gaps, &work->trimming, error);
+    const bat_cloud *cloud = &work->geometry.order.cloud;
+    bat_status status = diagnose_solid(cloud->points, cloud->count, error);
+    if (status == BAT_OK)
+        status =
+            trimming_make(&work->geometry, work->options->fill_holes, work->options->close_gaps, &work->trimming, error);
     if (status != BAT_OK)
         return status;
     work->geometry.area = work->trimming.loops.area;

@@ -563,6 +563,9 @@ static void what_cannot_be_trimmed_is_refused(void **state)
     for (int i = 0; i < 800; i++)
         add_point(&cloud, bat_random_uniform(&random) + (i % 2) * 5, bat_random_uniform(&random), 0);
     refuse(&cloud, &options, BAT_NO_CONVERGENCE, "pieces");
+    for (int i = 0; i < 400; i++)
+        add_point(&cloud, bat_random_uniform(&random), bat_random_uniform(&random), 0.4 * bat_random_uniform(&random));
+    refuse(&cloud, &options, BAT_NO_CONVERGENCE, "fill a volume");
     cloud = cloud_of(&SHAPES[0], 100, true, false, 6);
     options.parameters = BAT_SURFACE_PARAMETERS_LEARNED;
     refuse(&cloud, &options, BAT_INVALID_ARGUMENT, "parameters");
