@@ -436,6 +436,60 @@ static void a_cube_keeps_its_edges(void **state)
     check_near(report.volume, 1, 1e-3);
     assert_true(report.largest < 5e-3);
     bat_shell_free(&shell);
+    bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+    bat_error error = {0};
+    options.fill_holes = 1;
+    check_status(bat_shell_reconstruct(NULL, 0, &cube, &options, &shell, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "of points"));
+}
+
+/// A cube in a cube is a void of its solid where its normals lead inwards, and a solid of its own where they lead outwards.
+static void a_hollow_is_a_void(void **state)
+{
+    (void)state;
+    static const uint32_t sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    double corners[16][3], patches[12][4][4][3];
+    uint32_t faces[12][4];
+    size_t offsets[13];
+    for (int v = 0; v < 16; v++)
+        for (int c = 0; c < 3; c++)
+            corners[v][c] = v < 8 ? v >> c & 1 : 0.25 + 0.5 * (v >> c & 1);
+    for (size_t f = 0; f <= 12; f++)
+        offsets[f] = 4 * f;
+    for (int hollow = 0; hollow < 2; hollow++)
+    {
+        for (size_t f = 0; f < 12; f++)
+            for (size_t k = 0; k < 4; k++)
+                faces[f][k] = f < 6 ? sides[f][k] : 8 + sides[f - 6][hollow ? 3 - k : k];
+        for (size_t k = 0; k < 12 * 48; k++)
+        {
+            size_t f = k / 48, j = k / 12 % 4, i = k / 3 % 4, c = k % 3;
+            double u = (double)i / 3, v = (double)j / 3;
+            patches[f][j][i][c] = (1 - v) * ((1 - u) * corners[faces[f][0]][c] + u * corners[faces[f][1]][c]) +
+                                  v * ((1 - u) * corners[faces[f][3]][c] + u * corners[faces[f][2]][c]);
+        }
+        const bat_shell shell = {
+            .cage = {.positions = corners[0], .faces = faces[0], .offsets = offsets, .vertex_count = 16, .face_count = 12},
+            .patches = patches[0][0][0],
+            .face_count = 12,
+            .spans = 1,
+            .closed = true};
+        char line[512];
+        int voids = 0, solids = 0, shells = 0;
+        check_status(bat_shell_write("hollow.step", &shell, NULL, NULL), BAT_OK);
+        FILE *file = fopen("hollow.step", "r");
+        assert_non_null(file);
+        while (fgets(line, sizeof line, file) != NULL)
+        {
+            voids += strstr(line, "=BREP_WITH_VOIDS('',#") != NULL;
+            solids += strstr(line, "=MANIFOLD_SOLID_BREP(") != NULL;
+            shells += strstr(line, "=ORIENTED_CLOSED_SHELL('',*,#") != NULL;
+        }
+        assert_int_equal(fclose(file), 0);
+        assert_int_equal(voids, hollow);
+        assert_int_equal(shells, hollow);
+        assert_int_equal(solids, hollow ? 0 : 2);
+    }
 }
 
 /// The rows of a grid are averages: a shell moves with its control points.
@@ -495,6 +549,7 @@ int main(void)
         cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),
         cmocka_unit_test(a_cube_keeps_its_edges),
+        cmocka_unit_test(a_hollow_is_a_void),
         cmocka_unit_test(rows_are_averages),
         cmocka_unit_test(what_is_no_surface_is_refused),
     };

@@ -7,8 +7,10 @@
 #include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "io/surface/step.h"
+#include "linalg/vector.h"
 #include "mesh/sides.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -153,6 +155,56 @@ static void find_pieces(step_model *model, size_t faces)
             model->closed[pieces[model->shell.edges[e].faces[0]]] = false;
 }
 
+/// The volume of a part, and how often it goes around a place, by the triangles between the corners of its faces.
+static double measure_part(const step_model *model, uint32_t part, const double place[3], double *turns)
+{
+    static const double FULL = 12.566370614359172; // solid angle of a sphere
+    double volume = 0, angle = 0, to[4][3], length[4];
+    for (size_t f = 0; f < model->shell.face_count; f++)
+    {
+        const tensor_surface *patch = &model->patches[f];
+        size_t row = knot_vector_functions(&patch->knots[0]), all = row * knot_vector_functions(&patch->knots[1]);
+        const size_t corners[4] = {0, row - 1, all - 1, all - row};
+        for (int c = 0; c < 4; c++)
+        {
+            vector3_subtract(patch->control + 3 * corners[c], place, to[c]);
+            length[c] = vector3_length(to[c]);
+        }
+        for (int i = 1; i < 3 && model->pieces[f] == part; i++)
+        {
+            const double *a = to[0], *b = to[i], *c = to[i + 1], product = vector3_determinant(a, b, c);
+            volume += product / 6;
+            angle += 2 * atan2(product, length[0] * length[i] * length[i + 1] + vector3_dot(a, b) * length[i + 1] +
+                                            vector3_dot(b, c) * length[0] + vector3_dot(c, a) * length[i]);
+        }
+    }
+    *turns = angle / FULL;
+    return volume;
+}
+
+/// Find the closed parts that are turned inside out, and the smallest solid around each.
+static void find_voids(step_model *model)
+{
+    double turns;
+    for (uint32_t p = 0, f = 0; p < model->piece_count; p++)
+    {
+        while (model->pieces[f] != p)
+            f++;
+        const double *place = model->patches[f].control;
+        double smallest = INFINITY;
+        model->around[p] = p;
+        bool hollow = model->closed[p] && model->piece_count > 1 && measure_part(model, p, place, &turns) < 0;
+        for (uint32_t q = 0; q < model->piece_count && hollow; q++)
+        {
+            double volume = q != p && model->closed[q] ? measure_part(model, q, place, &turns) : 0;
+            if (volume <= 0 || volume >= smallest || turns < 0.5)
+                continue;
+            smallest = volume;
+            model->around[p] = q;
+        }
+    }
+}
+
 static bat_status make_model(shell_builder *builder, bat_error *error)
 {
     const bat_shell *shell = builder->shell;
@@ -171,6 +223,7 @@ static bat_status make_model(shell_builder *builder, bat_error *error)
     model->control = memory_pool_zeros(pool, edges, sizeof *model->control);
     model->pieces = memory_pool_array(pool, faces, sizeof *model->pieces);
     model->closed = memory_pool_array(pool, faces, sizeof *model->closed);
+    model->around = memory_pool_array(pool, faces, sizeof *model->around);
     builder->edge_of = memory_pool_array(pool, builder->links.edge_count, sizeof *builder->edge_of);
     bat_status status = memory_pool_check(pool, error);
     if (status == BAT_OK)
@@ -187,6 +240,7 @@ static bat_status make_model(shell_builder *builder, bat_error *error)
     if (status != BAT_OK)
         return status;
     find_pieces(model, faces);
+    find_voids(model);
     // Vertices of the grid that no side begins at are no vertices of the shell: they stand for another one.
     memset(model->same, 0xff, vertices * sizeof *model->same);
     for (size_t e = 0; e < model->shell.edge_count; e++)

@@ -122,7 +122,8 @@ typedef struct step_model
     double **control;       ///< edge_count: the control points of the edges' curves
     uint32_t *pieces;       ///< face_count: the connected part of each face; null: all one open part
     size_t piece_count;
-    bool *closed; ///< piece_count: the part has no boundary
+    bool *closed;     ///< piece_count: the part has no boundary
+    uint32_t *around; ///< piece_count: the solid whose void the part surrounds; the part itself for others
 } step_model;
 
 bat_status step_model_make(const bat_spline_surface *surface, step_model *model, bat_error *error);

@@ -316,14 +316,13 @@ static void write_faces(step_text *step, const step_model *model, step_entities 
     }
 }
 
-/// Write the shell of some faces, and the solid or the surface model that it is. Returns the number of the latter.
-static uint32_t write_part(step_text *step, const uint32_t *faces, size_t count, bool closed)
+/// Write the shell of some faces. Returns its number.
+static uint32_t write_faces_of(step_text *step, const uint32_t *faces, size_t count, bool closed)
 {
     uint32_t shell = begin_entity(step, closed ? "CLOSED_SHELL(''," : "OPEN_SHELL('',");
     append_references(step, faces, count);
     end_entity(step, ")");
-    return closed ? write_entity(step, "MANIFOLD_SOLID_BREP('',#%u)", shell)
-                  : write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
+    return shell;
 }
 
 static void write_end(step_text *step, const step_entities *entities, const char *kind, const uint32_t *parts, size_t count)
@@ -343,17 +342,19 @@ static void write_end(step_text *step, const step_entities *entities, const char
 
 static void write_shell(step_text *step, const step_entities *entities)
 {
-    uint32_t part = write_part(step, entities->faces, entities->face_count, false);
+    uint32_t shell = write_faces_of(step, entities->faces, entities->face_count, false);
+    uint32_t part = write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
     write_end(step, entities, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',", &part, 1);
 }
 
-/// Write the parts of a model with several.
+/// Write the parts of a model with several. Shells of voids, whose normals lead into them, belong to the solids around them.
 static bat_status write_parts(step_text *step, const step_model *model, const step_entities *entities, bat_error *error)
 {
     memory_pool pool = {0};
     uint32_t *faces = memory_pool_array(&pool, entities->face_count, sizeof *faces);
-    uint32_t *parts = memory_pool_array(&pool, model->piece_count, sizeof *parts);
-    size_t closed = 0;
+    uint32_t *shells = memory_pool_array(&pool, model->piece_count, 3 * sizeof *shells);
+    uint32_t *voids = shells + model->piece_count, *parts = voids + model->piece_count;
+    size_t closed = 0, made = 0;
     bat_status status = memory_pool_check(&pool, error);
     for (size_t p = 0; p < model->piece_count && status == BAT_OK; p++)
     {
@@ -361,15 +362,36 @@ static bat_status write_parts(step_text *step, const step_model *model, const st
         for (size_t f = 0; f < entities->face_count; f++)
             if (model->pieces[f] == p)
                 faces[count++] = entities->faces[f];
-        parts[p] = write_part(step, faces, count, model->closed[p]);
+        shells[p] = write_faces_of(step, faces, count, model->closed[p]);
+    }
+    for (size_t p = 0; p < model->piece_count && status == BAT_OK; p++)
+    {
+        size_t count = 0;
+        for (size_t q = 0; q < model->piece_count; q++)
+            if (q != p && model->around[q] == p)
+                voids[count++] = write_entity(step, "ORIENTED_CLOSED_SHELL('',*,#%u,.T.)", shells[q]);
+        if (model->around[p] != p)
+            continue;
         closed += model->closed[p];
+        const char *kind = count > 0          ? "BREP_WITH_VOIDS('',#%u"
+                           : model->closed[p] ? "MANIFOLD_SOLID_BREP('',#%u"
+                                              : "SHELL_BASED_SURFACE_MODEL('',(#%u)";
+        char text[64];
+        (void)snprintf(text, sizeof text, kind, shells[p]);
+        parts[made++] = begin_entity(step, text);
+        if (count > 0)
+        {
+            text_append_string(&step->text, ",");
+            append_references(step, voids, count);
+        }
+        end_entity(step, ")");
     }
     if (status == BAT_OK)
         write_end(step, entities,
-                  closed == model->piece_count ? "ADVANCED_BREP_SHAPE_REPRESENTATION('',"
-                  : closed == 0                ? "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',"
-                                               : "SHAPE_REPRESENTATION('',",
-                  parts, model->piece_count);
+                  closed == made ? "ADVANCED_BREP_SHAPE_REPRESENTATION('',"
+                  : closed == 0  ? "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',"
+                                 : "SHAPE_REPRESENTATION('',",
+                  parts, made);
     memory_pool_free(&pool);
     return status;
 }
