@@ -619,6 +619,8 @@ bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_m
     bat_status status = bat_options_check(&bat_shell_reconstruct_fields, work.options, error);
     if (status != BAT_OK)
         return status;
+    if (mesh != NULL && work.options->fill_holes > 0)
+        return error_option(error, "fill_holes", "closes holes of points; close those of a mesh first, as batten mesh does");
     if (mesh == NULL && count < MIN_POINTS)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are too few: a shell needs %d", count,
                          MIN_POINTS);
