@@ -243,6 +243,7 @@ static const verdict_row DOUBTS[] = {
     [BAT_SURFACE_DOUBT_GAP] = {"gap", "right, but a gap between points is closed"},
     [BAT_SURFACE_DOUBT_STRAY] = {"stray", "right, but a point lies far off and bends it (see --robust)"},
     [BAT_SURFACE_DOUBT_AREA] = {"area", "right, but larger than what --trim gives"},
+    [BAT_SURFACE_DOUBT_FEW] = {"few", "right, but by few points, which tell little between them"},
 };
 
 const char *surface_verdict(const bat_surface_verdict *verdict)

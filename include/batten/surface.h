@@ -75,7 +75,8 @@ typedef enum bat_surface_doubt
     BAT_SURFACE_DOUBT_RIM,     ///< points are sparse at its outline: the shape may go on for the spacing there
     BAT_SURFACE_DOUBT_GAP,     ///< a gap between points is closed, which is `doubt_size` across
     BAT_SURFACE_DOUBT_STRAY,   ///< a point is `doubt_size` from it, far beyond all others, and may bend it
-    BAT_SURFACE_DOUBT_AREA     ///< a trimmed surface of the points is smaller, by the area `doubt_size` squared; no place
+    BAT_SURFACE_DOUBT_AREA,    ///< a trimmed surface of the points is smaller, by the area `doubt_size` squared; no place
+    BAT_SURFACE_DOUBT_FEW      ///< the points are too few for a judgement; no size and no place
 } bat_surface_doubt;
 
 /// A judgement of a surface by its cloud, both ways. Shares are shares of the surface's area.

@@ -20,6 +20,7 @@
 enum
 {
     MIN_POINTS = 4,         ///< one for each corner of a patch
+    MIN_JUDGED = 60,        ///< a tenth of fewer points, which is held out, tells little
     SAMPLE_POINTS = 10000,  ///< of that sample
     POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a part
 };
@@ -675,6 +676,16 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_reconstr
     return status == BAT_NO_MEMORY || status == BAT_CANCELLED ? error_copy(error, &failure) : BAT_OK;
 }
 
+/// Doubt a surface that has no other doubt, at no place.
+static void doubt_everywhere(bat_surface_doubt doubt, double size, bat_surface_verdict *verdict)
+{
+    if (verdict->doubt != BAT_SURFACE_DOUBT_NONE)
+        return;
+    verdict->doubt = doubt;
+    verdict->doubt_size = size;
+    verdict->doubt_place[0] = verdict->doubt_place[1] = verdict->doubt_place[2] = NAN;
+}
+
 /// Doubt a right surface that is larger than a trimmed one: it covers gaps that the boundary does not enter, or noise.
 static bat_status doubt_area(const bat_cloud *cloud, const bat_surface_reconstruct_options *options,
                              bat_surface_result *result, bat_error *error)
@@ -693,12 +704,8 @@ static bat_status doubt_area(const bat_cloud *cloud, const bat_surface_reconstru
         status = reconstruct(&copy, &trimmed, 1, false, &other, &one_sided, &failure);
     bat_surface_verdict *verdict = &result->verdict;
     double more = status == BAT_OK && other.verdict.fault == BAT_SURFACE_FAULT_NONE ? verdict->area - other.verdict.area : 0;
-    if (more > LARGER * verdict->area && verdict->doubt == BAT_SURFACE_DOUBT_NONE)
-    {
-        verdict->doubt = BAT_SURFACE_DOUBT_AREA;
-        verdict->doubt_size = sqrt(more);
-        verdict->doubt_place[0] = verdict->doubt_place[1] = verdict->doubt_place[2] = NAN;
-    }
+    if (more > LARGER * verdict->area)
+        doubt_everywhere(BAT_SURFACE_DOUBT_AREA, sqrt(more), verdict);
     size_t holes = 0;
     for (size_t k = 0; status == BAT_OK && k < other.gap_count; k++)
     {
@@ -762,6 +769,8 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstru
     if (status == BAT_OK && is_right && finds_boundary && !has_corners && cloud->triangle_count == 0 &&
         may_help(cloud, options, true, OPEN_GAPS, status))
         status = doubt_area(cloud, options, &made, &failure);
+    if (status == BAT_OK && is_right && cloud->count < MIN_JUDGED)
+        doubt_everywhere(BAT_SURFACE_DOUBT_FEW, 0, &made.verdict);
     if (status == BAT_OK && !is_right && !options->force)
         status = refuse(&made.verdict, options->trim, one_sided, &failure);
     if (status == BAT_OK)

@@ -458,6 +458,27 @@ static void sparse_outlines_are_doubted(void **state)
     }
 }
 
+/// Few points fit a surface whatever it is between them.
+static void few_points_are_doubted(void **state)
+{
+    (void)state;
+    for (size_t side = 7; side <= 8; side++)
+    {
+        bat_cloud cloud = {0};
+        for (size_t i = 0; i < side * side; i++)
+        {
+            double place[3];
+            patch_waves((double)(i % side) / (double)side, (double)(i / side) / (double)side, place);
+            add_point(&cloud, place[0], place[1], 0.1 * place[2]);
+        }
+        bat_surface_result result = must_reconstruct(&cloud, NULL);
+        assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
+        assert_int_equal(result.verdict.doubt, side == 7 ? BAT_SURFACE_DOUBT_FEW : BAT_SURFACE_DOUBT_NONE);
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+    }
+}
+
 /// A surface that covers a slot or a notch is doubted: a trimmed surface of the same points has a hole, or is smaller.
 static void covered_gaps_are_doubted(void **state)
 {
@@ -566,6 +587,7 @@ int main(void)
         cmocka_unit_test(sparse_points_are_no_fault),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(sparse_outlines_are_doubted),
+        cmocka_unit_test(few_points_are_doubted),
         cmocka_unit_test(covered_gaps_are_doubted),
         cmocka_unit_test(strays_are_doubted),
         cmocka_unit_test(what_is_wrong_is_refused),
