@@ -70,6 +70,11 @@ static inline double sort_median(double *values, size_t count)
     return values[count / 2];
 }
 
+static inline int ascending_index(const void *a, const void *b)
+{
+    return ORDER_OF(*(const uint32_t *)a, *(const uint32_t *)b);
+}
+
 static inline int ascending_int(const void *a, const void *b)
 {
     return ORDER_OF(*(const int *)a, *(const int *)b);

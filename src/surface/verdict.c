@@ -353,13 +353,8 @@ static bat_status judge_check(const bat_surface_fit_options *options, bat_error 
 
 typedef struct weighted_distance
 {
-    double distance, area;
+    double distance, area; ///< ascending() compares the first
 } weighted_distance;
-
-static int compare_weighted(const void *a, const void *b)
-{
-    return ascending(&((const weighted_distance *)a)->distance, &((const weighted_distance *)b)->distance);
-}
 
 /// The distance within which 99 % of the area is.
 static bat_status quantile_of(const surface_samples *samples, const double *distances, double area, double *quantile,
@@ -370,7 +365,7 @@ static bat_status quantile_of(const surface_samples *samples, const double *dist
         return error_memory(error, samples->count * sizeof *sorted);
     for (size_t s = 0; s < samples->count; s++)
         sorted[s] = (weighted_distance){distances[s], samples->shares[s]};
-    qsort(sorted, samples->count, sizeof *sorted, compare_weighted);
+    qsort(sorted, samples->count, sizeof *sorted, ascending);
     double sum = 0;
     size_t at = 0;
     while (at + 1 < samples->count && (sum += sorted[at].area) < 0.99 * area)

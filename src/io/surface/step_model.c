@@ -171,11 +171,6 @@ void shell_free(surface_shell *shell)
 
 // Geometry
 
-static size_t first_knot(const bat_knot_vector *knots)
-{
-    return (size_t)knots->degree;
-}
-
 static size_t span_count(const bat_knot_vector *knots)
 {
     return knots->count - 2 * (size_t)knots->degree - 1;
@@ -189,8 +184,8 @@ static shell_face face_of(const tensor_surface *patch, const bat_hierarchical_op
     {
         const bat_knot_vector *knots = &patch->knots[d];
         double cells = ldexp((double)options->spans[d], (int)finest);
-        face.low[d] = (uint64_t)llround(knots->knots[first_knot(knots)] * cells);
-        face.high[d] = (uint64_t)llround(knots->knots[first_knot(knots) + span_count(knots)] * cells);
+        face.low[d] = (uint64_t)llround(knots->knots[knots->degree] * cells);
+        face.high[d] = (uint64_t)llround(knots->knots[knot_vector_functions(knots)] * cells);
     }
     return face;
 }
@@ -244,9 +239,9 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
         shell->vertices[2 * (size_t)shell->edges[shell->uses[shell->loops[edge->faces[user]]].edge].from + edge->direction];
     uint64_t from = (shell->vertices[2 * (size_t)edge->from + edge->direction] - low) / width;
     uint64_t to = (shell->vertices[2 * (size_t)edge->to + edge->direction] - low) / width;
+    const double *first = knots->knots + knots->degree;
     bat_knot_vector *cut = &model->knots[index];
-    bat_status status =
-        knot_vector_cut(knots, knots->knots[first_knot(knots) + from], knots->knots[first_knot(knots) + to], cut, error);
+    bat_status status = knot_vector_cut(knots, first[from], first[to], cut, error);
     if (status != BAT_OK)
         return status;
     memory_pool pool = {0};

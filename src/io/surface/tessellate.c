@@ -233,17 +233,13 @@ static void add_triangle(void *context, uint32_t from, uint32_t to)
     *triangles->next++ = to;
 }
 
-static double distance_squared(const double *positions, uint32_t a, uint32_t b)
-{
-    double difference[3];
-    vector3_subtract(positions + 3 * (size_t)a, positions + 3 * (size_t)b, difference);
-    return vector3_dot(difference, difference);
-}
-
 /// Cut a quad without a centre along its shorter diagonal.
 static void cut_quad(const double *positions, const uint32_t *quad, fan *triangles)
 {
-    int first = distance_squared(positions, quad[1], quad[3]) < distance_squared(positions, quad[0], quad[2]) ? 1 : 0;
+    const double *corners[4];
+    for (int c = 0; c < 4; c++)
+        corners[c] = positions + 3 * (size_t)quad[c];
+    int first = vector3_distance(corners[1], corners[3]) < vector3_distance(corners[0], corners[2]) ? 1 : 0;
     triangles->centre = quad[first];
     add_triangle(triangles, quad[first + 1], quad[first + 2]);
     add_triangle(triangles, quad[first + 2], quad[(first + 3) % 4]);

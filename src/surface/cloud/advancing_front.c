@@ -135,13 +135,8 @@ static int compare_tetrahedron_sides(const void *a, const void *b)
     const tetrahedron_side *p = a, *q = b;
     for (int k = 0; k < 3; k++)
         if (p->corners[k] != q->corners[k])
-            return p->corners[k] < q->corners[k] ? -1 : 1;
-    return (p->apex > q->apex) - (p->apex < q->apex);
-}
-
-static int compare_indices(const void *a, const void *b)
-{
-    return ORDER_OF(*(const uint32_t *)a, *(const uint32_t *)b);
+            return ORDER_OF(p->corners[k], q->corners[k]);
+    return ORDER_OF(p->apex, q->apex);
 }
 
 DEFINE_ORDER(compare_sides, front_side, key, triangle)
@@ -212,7 +207,7 @@ static bat_status gather_triangles(front *work, const simplices *tetrahedra, bat
         for (int k = 0; k < 3; k++)
             all[s].corners[k] = corners[SIDES[s % 4][k]];
         all[s].apex = corners[SIDES[s % 4][3]];
-        qsort(all[s].corners, 3, sizeof *all[s].corners, compare_indices);
+        qsort(all[s].corners, 3, sizeof *all[s].corners, ascending_index);
     }
     qsort(all, count, sizeof *all, compare_tetrahedron_sides);
     for (size_t s = 0, end; s < count; s = end)

@@ -164,15 +164,9 @@ bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
 
 typedef struct spoke
 {
-    double angle;
+    double angle; ///< first, for ascending()
     size_t place;
 } spoke;
-
-static int compare_spokes(const void *a, const void *b)
-{
-    const spoke *first = a, *second = b;
-    return ORDER_OF(first->angle, second->angle);
-}
 
 static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, spoke spokes[STAR_MAX_RING], size_t *count)
 {
@@ -212,7 +206,7 @@ bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_
     if (status != BAT_OK)
         return status;
     size_t found = gather_spokes(&triangles, planar, middle, spokes);
-    qsort(spokes, found, sizeof *spokes, compare_spokes);
+    qsort(spokes, found, sizeof *spokes, ascending);
     *ring_count = found >= 3 ? found : 0;
     for (size_t k = 0; k < *ring_count; k++)
         ring[k] = spokes[k].place;

@@ -131,11 +131,6 @@ typedef struct row_builder
     bool failed;
 } row_builder;
 
-static int compare_columns(const void *a, const void *b)
-{
-    return ORDER_OF(*(const uint32_t *)a, *(const uint32_t *)b);
-}
-
 static void add_vertex(row_builder *builder, uint32_t vertex, double weight)
 {
     if (builder->weights[vertex] == 0)
@@ -150,7 +145,7 @@ static void end_row(row_builder *builder)
 {
     sparse_rows *rows = builder->rows;
     size_t at = rows->starts[builder->row], end = at + builder->count;
-    qsort(builder->columns, builder->count, sizeof *builder->columns, compare_columns);
+    qsort(builder->columns, builder->count, sizeof *builder->columns, ascending_index);
     builder->failed = builder->failed || !ARRAY_GROW(rows->columns, builder->column_capacity, end) ||
                       !ARRAY_GROW(rows->values, builder->value_capacity, end);
     for (size_t k = 0; k < builder->count; k++)
