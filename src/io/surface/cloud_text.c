@@ -33,22 +33,20 @@ static bool read_corners(word_scan scan, size_t corners[4])
     return read && scan_line_done(&scan);
 }
 
-/// The text of a comment line, or null. PLY writes "comment" for '#'.
-static const char *remark_words(const text_line *line)
-{
-    static const char comment[] = "comment ";
-    size_t size = (size_t)(line->end - line->begin);
-    if (size > 0 && *line->begin == '#')
-        return line->begin + 1;
-    return size >= sizeof comment - 1 && memcmp(line->begin, comment, sizeof comment - 1) == 0
-               ? line->begin + sizeof comment - 1
-               : NULL;
-}
-
 static bool is_word(const text_line *line, const char *word)
 {
     size_t size = strlen(word);
     return (size_t)(line->end - line->begin) >= size && memcmp(line->begin, word, size) == 0;
+}
+
+/// The text of a comment line, or null. PLY writes "comment" for '#'.
+static const char *remark_words(const text_line *line)
+{
+    static const char *const signs[] = {"#", "comment "};
+    for (int k = 0; k < 2; k++)
+        if (is_word(line, signs[k]))
+            return line->begin + strlen(signs[k]);
+    return NULL;
 }
 
 cloud_remarks cloud_remarks_read(const file_text *text)
@@ -161,7 +159,7 @@ static bat_status take_names(row_reader *reader, bool *taken, bat_error *error)
 {
     text_line line = reader->line;
     size_t count = 0;
-    bool slashes = line.end - line.begin >= 2 && memcmp(line.begin, "//", 2) == 0;
+    bool slashes = is_word(&line, "//");
     line.begin += slashes ? 2 : 0;
     bat_status status = split_row(reader, &line, csv_find_separator(&line), &count, error);
     *taken = status == BAT_OK && reader->names.begin == NULL;

@@ -155,52 +155,52 @@ static void find_pieces(step_model *model, size_t faces)
             model->closed[pieces[model->shell.edges[e].faces[0]]] = false;
 }
 
-/// The volume of a part, and how often it goes around a place, by the triangles between the corners of its faces.
-static double measure_part(const step_model *model, uint32_t part, const double place[3], double *turns)
+/// The volume of a part, and the solid angle of a place in it, by the triangles between the corners of its faces.
+static double measure_part(const step_model *model, uint32_t part, const double place[3], double *angle)
 {
-    static const double FULL = 12.566370614359172; // solid angle of a sphere
-    double volume = 0, angle = 0, to[4][3], length[4];
+    double volume = 0;
+    *angle = 0;
     for (size_t f = 0; f < model->shell.face_count; f++)
     {
         const tensor_surface *patch = &model->patches[f];
         size_t row = knot_vector_functions(&patch->knots[0]), all = row * knot_vector_functions(&patch->knots[1]);
         const size_t corners[4] = {0, row - 1, all - 1, all - row};
+        double to[4][3], length[4];
         for (int c = 0; c < 4; c++)
-        {
             vector3_subtract(patch->control + 3 * corners[c], place, to[c]);
+        for (int c = 0; c < 4; c++)
             length[c] = vector3_length(to[c]);
-        }
         for (int i = 1; i < 3 && model->pieces[f] == part; i++)
         {
             const double *a = to[0], *b = to[i], *c = to[i + 1], product = vector3_determinant(a, b, c);
             volume += product / 6;
-            angle += 2 * atan2(product, length[0] * length[i] * length[i + 1] + vector3_dot(a, b) * length[i + 1] +
-                                            vector3_dot(b, c) * length[0] + vector3_dot(c, a) * length[i]);
+            *angle += 2 * atan2(product, length[0] * length[i] * length[i + 1] + vector3_dot(a, b) * length[i + 1] +
+                                             vector3_dot(b, c) * length[0] + vector3_dot(c, a) * length[i]);
         }
     }
-    *turns = angle / FULL;
     return volume;
 }
 
 /// Find the closed parts that are turned inside out, and the smallest solid around each.
 static void find_voids(step_model *model)
 {
-    double turns;
+    static const double HALF = 6.283185307179586; // solid angle
+    double angle;
     for (uint32_t p = 0, f = 0; p < model->piece_count; p++)
     {
-        while (model->pieces[f] != p)
+        for (model->around[p] = p; model->pieces[f] != p;)
             f++;
         const double *place = model->patches[f].control;
         double smallest = INFINITY;
-        model->around[p] = p;
-        bool hollow = model->closed[p] && model->piece_count > 1 && measure_part(model, p, place, &turns) < 0;
+        bool hollow = model->closed[p] && measure_part(model, p, place, &angle) < 0;
         for (uint32_t q = 0; q < model->piece_count && hollow; q++)
         {
-            double volume = q != p && model->closed[q] ? measure_part(model, q, place, &turns) : 0;
-            if (volume <= 0 || volume >= smallest || turns < 0.5)
-                continue;
-            smallest = volume;
-            model->around[p] = q;
+            double volume = measure_part(model, q, place, &angle);
+            if (model->closed[q] && angle > HALF && volume < smallest)
+            {
+                smallest = volume;
+                model->around[p] = q;
+            }
         }
     }
 }

@@ -373,18 +373,16 @@ static bat_status write_parts(step_text *step, const step_model *model, const st
         if (model->around[p] != p)
             continue;
         closed += model->closed[p];
-        const char *kind = count > 0          ? "BREP_WITH_VOIDS('',#%u"
-                           : model->closed[p] ? "MANIFOLD_SOLID_BREP('',#%u"
-                                              : "SHELL_BASED_SURFACE_MODEL('',(#%u)";
-        char text[64];
-        (void)snprintf(text, sizeof text, kind, shells[p]);
-        parts[made++] = begin_entity(step, text);
+        parts[made++] = begin_entity(step, count > 0          ? "BREP_WITH_VOIDS('',"
+                                           : model->closed[p] ? "MANIFOLD_SOLID_BREP('',"
+                                                              : "SHELL_BASED_SURFACE_MODEL('',(");
+        step->separate = false;
+        append_reference(step, shells[p]);
         if (count > 0)
-        {
             text_append_string(&step->text, ",");
+        if (count > 0)
             append_references(step, voids, count);
-        }
-        end_entity(step, ")");
+        end_entity(step, model->closed[p] ? ")" : "))");
     }
     if (status == BAT_OK)
         write_end(step, entities,

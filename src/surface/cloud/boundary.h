@@ -109,16 +109,9 @@ bat_status cloud_find_boundary(bat_cloud *cloud, double scale, bat_progress prog
 
 /// Whether the points lie along a straight line.
 bat_status diagnose_line(const double *points, size_t count, bat_error *error);
-/// Whether most neighbourhoods, of up to `most` points and a tenth of all, are about as thick as wide.
+/// Whether most neighbourhoods of `wanted` points are about as thick as wide.
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_t most, bool *fills, bat_error *error);
-enum
-{
-    VOLUME_NEAR = 200
-};
-/// Whether the points fill a volume: neighbourhoods of 1 % and of 10 % of them are thick. Those of noise are so near alone,
-/// of layers far alone.
-bat_status diagnose_solid(const double *points, size_t count, bat_error *error);
+bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_t wanted, bool *fills, bat_error *error);
 
 /// Whether the points lie on two parallel sheets that are closer than their points are: the heights of neighbours above a
 /// quadratic polynomial have two modes, which makes their kurtosis small.

@@ -36,15 +36,11 @@ bat_status diagnose_line(const double *points, size_t count, bat_error *error)
 
 // A volume
 
-bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_t most, bool *fills, bat_error *error)
+bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_t wanted, bool *fills, bat_error *error)
 {
-    enum
-    {
-        PLACES = 64,
-        NEAR_SHARE = 10 ///< of the points, the largest part that is a neighbourhood
-    };
+    static const size_t PLACES = 64;
     static const double MIN_THICK = 0.3; // The third variance of a ball is that of the second.
-    size_t wanted = tree->count / NEAR_SHARE < most ? tree->count / NEAR_SHARE : most, thick = 0, made = 0;
+    size_t thick = 0, made = 0;
     neighbour_list near = {0};
     bat_status status = BAT_OK;
     for (size_t i = 0; i < tree->count && status == BAT_OK && wanted > 0; i += tree->count / PLACES + 1, made++)
@@ -58,32 +54,6 @@ bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_
     neighbour_list_free(&near);
     *fills = 2 * thick > made;
     return status;
-}
-
-bat_status diagnose_solid(const double *points, size_t count, bat_error *error)
-{
-    enum
-    {
-        SAMPLE = 2000,
-        FEW = SAMPLE / 100 ///< neighbours on one of several layers
-    };
-    size_t step = count / SAMPLE + 1, made = (count + step - 1) / step;
-    double *sample = memory_array(made, 3 * sizeof *sample);
-    nearest_tree tree = {0};
-    bool thick = sample != NULL, fills = thick;
-    for (size_t i = 0; i < made && thick; i++)
-        memcpy(sample + 3 * i, points + 3 * i * step, 3 * sizeof *sample);
-    bat_status status =
-        thick ? neighbours_build(sample, made, &tree, error) : error_memory(error, 3 * sizeof *sample * made);
-    if (status == BAT_OK)
-        status = diagnose_volume(sample, &tree, FEW, &thick, error);
-    if (status == BAT_OK)
-        status = diagnose_volume(sample, &tree, VOLUME_NEAR, &fills, error);
-    nearest_free(&tree);
-    free(sample);
-    return status == BAT_OK && thick && fills ? error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                                                          "the points fill a volume; a surface needs points on it alone")
-                                              : status;
 }
 
 // Two sheets
