@@ -450,11 +450,11 @@ static void a_hollow_is_a_void(void **state)
     static const uint32_t sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
     double corners[16][3], patches[12][4][4][3];
     uint32_t faces[12][4];
-    size_t offsets[13];
+    uint32_t offsets[13];
     for (int v = 0; v < 16; v++)
         for (int c = 0; c < 3; c++)
             corners[v][c] = v < 8 ? v >> c & 1 : 0.25 + 0.5 * (v >> c & 1);
-    for (size_t f = 0; f <= 12; f++)
+    for (uint32_t f = 0; f <= 12; f++)
         offsets[f] = 4 * f;
     for (int hollow = 0; hollow < 2; hollow++)
     {
