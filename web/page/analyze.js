@@ -19,7 +19,7 @@ export function analyzeTab(app, section) {
   const stage = h("div.stage", {}, canvas, legend);
   const facts = h("div", {});
   const values = h("div", {});
-  const stencils = h("div", {});
+  const stencils = h("div.stencils", {});
   const input = h("textarea", { rows: 3, spellcheck: false, onchange: () => set(input.value), onkeydown: (event) => { if (event.key === "Enter" && !event.shiftKey) { event.preventDefault(); set(input.value); } } });
   const name = () => `mask:${state.mask.trim().split(/[\s,]+/).join(",")}`;
   function set(mask) {

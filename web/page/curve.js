@@ -1,10 +1,13 @@
 // Curves: points on the plane, the sphere and the disk, refined by several schemes at once.
 import samples from "samples";
-import { check, color, digits, download, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, downloads, enumerator, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
+import { MAX_LITERAL, imports, layoutOf, loadtxt, longestIn, quoted, shellName } from "./code.js";
 import { VIEWS, toDegrees, toUnit } from "./view.js";
 
 /** More points than this get no handles. */
 const MAX_HANDLES = 400;
+/** Curves of more points are shown as their file has them, and not edited. */
+const MAX_EDITED = 5000;
 const HIT = 22;
 
 const csvPoints = (text) =>
@@ -31,10 +34,14 @@ const EXAMPLES = {
   iss: { title: "ISS track (sphere)", space: "sphere", closed: true, points: lonLat(samples["iss-track.geojson"]) },
   petals: { title: "Petals (Poincaré disk)", space: "disk", closed: true, points: csvPoints(samples["hyperbolic.csv"]) },
 };
-const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0 };
+const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0, notes: [], file: null };
 
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
+
+const FORMATS = [["csv"], ["geojson", "GeoJSON"], ["wkt"], ["gpx"], ["topojson", "TopoJSON"], ["obj"]];
+/** The controls of options that lead out of failures. */
+const CONTROLS = { levels: "Levels" };
 
 /** Linear schemes that other spaces refuse. */
 const PLANE = ["four-point", "six-point", "mask"];
@@ -46,7 +53,12 @@ export function curveTab(app, section) {
   let given = null;
   let combs = [];
   let held = -1;
-  let big = null; // the points of a file that is too large for handles
+  let big = null; // the points of a file that is too large to edit
+  let source = null; // that file as it was read: number, space, points
+  let good = { state: structuredClone(state), big, source }; // the last that gave a picture
+  let drawn = false;
+  let working = Promise.resolve(null);
+  let opening; // the name of a file that has no picture yet
   let frame = 0;
   const lists = app.tables.lists;
 
@@ -67,23 +79,36 @@ export function curveTab(app, section) {
   };
   const full = (name) => (name === "learned" ? `learned:fairness=${state.fairness}` : (SETTINGS[name] ?? name));
 
-  async function compute() {
+  const dimension = () => (state.space === "sphere" ? 3 : 2);
+  const count = () => (big ? big.length / dimension() : state.points.length);
+  const snapshot = () => ({ state: structuredClone(state), big, source });
+  let settled = working; // all refinements that began
+  const compute = () => {
+    working = refine();
+    settled = Promise.allSettled([settled, working]);
+    return working;
+  };
+  /** True once the curve is drawn, null where a newer call takes over, false after a failure, of which the user is told. */
+  async function refine() {
+    const tried = snapshot();
     const schemes = state.schemes.map(full);
-    const points = big ? big.length / (state.space === "sphere" ? 3 : 2) : state.points.length;
-    if (points < (state.closed ? 3 : 2)) {
-      results = [];
-      given = null;
-      redraw();
-      return;
+    const needed = state.closed ? 3 : 2;
+    if (count() < needed) {
+      app.fail(new Error(`${state.closed ? "a closed" : "an open"} curve needs at least ${needed} points, not ${count()}`), opening);
+      return false;
     }
     try {
       const options = { levels: state.levels, ends: state.ends };
       const answer = await app.engine.latest("curve", "curve", { coarse: coarse(), schemes, options }, "Refining");
+      const bad = answer.results.find((result) => result.error);
+      if (bad) app.fail({ ...bad.error, text: `${answer.results.length > 1 ? `${bad.scheme}: ` : ""}${bad.error.text ?? bad.error.message}` }, opening, CONTROLS);
+      else app.clear();
+      if (bad && answer.results.every((result) => result.error)) return false;
       results = answer.results;
       given = answer.given;
-      const bad = results.find((result) => result.error);
-      if (bad) app.fail(new Error(results.length > 1 ? `${bad.scheme}: ${bad.error}` : bad.error));
-      else app.clear();
+      await offer(tried.state);
+      good = tried;
+      drawn = true;
       combs = [];
       if (state.comb && state.levels > 0)
         for (const result of results)
@@ -91,11 +116,39 @@ export function curveTab(app, section) {
             combs.push(await app.engine.call("comb", { fine: { space: state.space, points: result.points, closed: state.closed } }));
           else combs.push(null);
     } catch (error) {
-      app.fail(error);
-      return;
+      app.fail(error, opening, CONTROLS);
+      return error.message === "superseded" ? null : false;
     }
     redraw();
     figures();
+    return true;
+  }
+  /** Offer the formats that can hold the curve. */
+  let offered = "";
+  async function offer({ space: name, closed: ring }) {
+    if (offered === `${name} ${ring}`) return;
+    const some = results.find((result) => result.points);
+    const points = some?.points.slice(0, 4 * (name === "sphere" ? 3 : 2));
+    files.refuse(points ? await app.engine.call("refusals", { curves: [{ space: name, points, closed: ring }], formats: FORMATS.map(([format]) => format) }) : {});
+    offered = `${name} ${ring}`;
+  }
+  /** A step of undo, once its picture is there; without one the last good state comes back. */
+  async function keep() {
+    const done = await working;
+    if (done) app.commit();
+    else if (done === false) {
+      await settled;
+      back();
+    }
+  }
+  function back() {
+    const moved = good.state.space !== state.space || good.big !== big;
+    state = structuredClone(good.state);
+    ({ big, source } = good);
+    if (moved) fit();
+    controls();
+    if (drawn) redraw();
+    else void compute();
   }
 
   // Drawing.
@@ -133,7 +186,7 @@ export function curveTab(app, section) {
       view.line(context, result.points, state.closed);
     }
     handles();
-    legend.textContent = `${big ? big.length / 2 : state.points.length} points, dashed; ${state.space === "plane" ? "double-click adds a point" : "drag beside the curve to turn or move"}`;
+    legend.textContent = `${count()} points, dashed; ${state.space === "plane" ? "double-click adds a point" : "drag beside the curve to turn or move"}`;
   }
   const index = (scheme) => Math.max(0, state.schemes.findIndex((name) => full(name) === scheme)) % 8;
 
@@ -195,31 +248,43 @@ export function curveTab(app, section) {
     if (given) rows.push(["given", digits(given.fairness.bending, 4), digits(given.fairness.g1, 4), given.simple ? "no" : "yes"]);
     for (const result of results)
       if (result.points) rows.push([result.scheme.split(":")[0], digits(result.fairness.bending, 4), digits(result.fairness.g1, 4), result.simple === null ? "–" : result.simple ? "no" : "yes"]);
-    measures.replaceChildren(table(["", "bending", "largest turn", "crosses"], rows));
+    measures.replaceChildren(table(["", "bending", "largest turn", "crosses"], rows), ...notes(state.notes));
   }
 
   // Editing.
+  /** Point i of an array, in degrees on the sphere. */
+  const coordinates = (points, name, i) => (name === "sphere" ? toDegrees(points[3 * i], points[3 * i + 1], points[3 * i + 2]) : [points[2 * i], points[2 * i + 1]]);
+  /** The same drawing in another space: its box becomes a part of the plane, of the globe or of the disk. */
+  function moved(points, name) {
+    let [a, b, c, d] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const [x, y] of points) [a, b, c, d] = [Math.min(a, x), Math.min(b, y), Math.max(c, x), Math.max(d, y)];
+    const scale = { plane: 4, sphere: 60, disk: 1.4 }[name] / (Math.max(c - a, d - b) || 1);
+    return points.map(([x, y]) => [(x - (a + c) / 2) * scale, (y - (b + d) / 2) * scale].map((v) => Number(v.toPrecision(6))));
+  }
+  /** The points of the large file in a space. */
+  function largeIn(name) {
+    if (name === source.space) return source.points;
+    const all = Array.from({ length: source.points.length / (source.space === "sphere" ? 3 : 2) }, (_, i) => coordinates(source.points, source.space, i));
+    return Float64Array.from(moved(all, name).flatMap((p) => (name === "sphere" ? toUnit(p) : p)));
+  }
   const set = (changes, { refit = false } = {}) => {
     Object.assign(state, changes);
     if (refit) fit();
     controls();
     return compute();
   };
-  const fit = () => {
+  function fit() {
     view = new VIEWS[state.space]();
-    const shown = big ? Array.from({ length: Math.min(2000, big.length / 2) }, (_, i) => {
-      const dim = state.space === "sphere" ? 3 : 2;
-      const k = dim * Math.floor((i * (big.length / dim)) / Math.min(2000, big.length / 2));
-      return dim === 3 ? toDegrees(big[k], big[k + 1], big[k + 2]) : [big[k], big[k + 1]];
-    }) : state.points;
-    view.fit(shown);
+    const shown = Math.min(2000, count());
+    view.fit(big ? Array.from({ length: shown }, (_, i) => coordinates(big, state.space, Math.floor((i * count()) / shown))) : state.points);
     const { width, height } = stage.getBoundingClientRect();
     view.resize(width || 1, height || 1);
-  };
+  }
   const round = (p) => (p ? p.map((value) => Number(value.toPrecision(7))) : null);
   function move(i, point) {
     if (!point) return;
     state.points[i] = round(point);
+    state.file = null;
     redraw();
     void compute();
   }
@@ -239,22 +304,25 @@ export function curveTab(app, section) {
     }
     state.corners = state.corners.map((i) => (i >= best.at ? i + 1 : i));
     state.points.splice(best.at, 0, point);
+    state.file = null;
     void compute();
     redraw();
-    app.commit();
+    void keep();
   }
   function remove(i) {
     if (state.points.length <= (state.closed ? 3 : 2)) return;
     state.points.splice(i, 1);
+    state.file = null;
     state.corners = state.corners.filter((k) => k !== i).map((k) => (k > i ? k - 1 : k));
     void compute();
-    app.commit();
+    void keep();
     requestAnimationFrame(() => circles[Math.min(i, circles.length - 1)]?.focus());
   }
   function corner(i) {
+    state.file = null;
     state.corners = state.corners.includes(i) ? state.corners.filter((k) => k !== i) : [...state.corners, i].sort((a, b) => a - b);
     void compute();
-    app.commit();
+    void keep();
   }
 
   const place = (event) => {
@@ -304,7 +372,7 @@ export function curveTab(app, section) {
   });
   const release = (event) => {
     touches.delete(event.pointerId);
-    if (held >= 0 && drag?.moved) app.commit();
+    if (held >= 0 && drag?.moved) void keep();
     held = -1;
     drag = null;
     redraw();
@@ -340,7 +408,7 @@ export function curveTab(app, section) {
       const far = event.shiftKey ? 10 : 3;
       move(i, view.space(x + steps[0] * far, y + steps[1] * far));
       clearTimeout(settle);
-      settle = setTimeout(() => app.commit(), 400);
+      settle = setTimeout(keep, 400);
     } else if (event.key === "Delete" || event.key === "Backspace") remove(i);
     else if (event.key.toLowerCase() === "c" && !event.ctrlKey) corner(i);
     else if (event.key.toLowerCase() === "a" && !event.ctrlKey) {
@@ -360,26 +428,21 @@ export function curveTab(app, section) {
   const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, { title }]) => [name, title])], "", (name) => {
     if (!name) return;
     const { space, points, closed, corners = [] } = EXAMPLES[name];
-    big = null;
-    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space) }, { refit: true }).then(() => app.commit());
+    big = source = null;
+    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space), data: 0, notes: [], file: null }, { refit: true }).then(keep);
     example.set("");
   });
   const space = select("Space", [["plane", "plane"], ["sphere", "sphere"], ["disk", "Poincaré disk"]], "plane", (name) => {
     if (name === state.space) return;
-    // The same drawing in the other space: its box becomes a part of the globe, or of the disk.
-    const xs = state.points.map((p) => p[0]);
-    const ys = state.points.map((p) => p[1]);
-    const [a, b, c, d] = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
-    const size = Math.max(c - a, d - b) || 1;
-    const scale = { plane: 4, sphere: 60, disk: 1.4 }[name] / size;
-    big = null;
-    void set({ space: name, points: state.points.map(([x, y]) => [(x - (a + c) / 2) * scale, (y - (b + d) / 2) * scale].map((v) => Number(v.toPrecision(6)))) }, { refit: true }).then(() => app.commit());
+    const points = big ? [] : moved(state.points, name);
+    if (big) big = largeIn(name);
+    void set({ space: name, points, file: big ? state.file : null, schemes: state.schemes.some((scheme) => name === "plane" || !PLANE.includes(scheme)) ? state.schemes : schemesOf(name) }, { refit: true }).then(keep);
   });
-  const closed = check("Closed", true, (value) => void set({ closed: value }).then(() => app.commit()));
-  const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(() => app.commit()));
-  const levels = slider("Levels", { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: () => app.commit() });
-  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.25, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: () => app.commit() });
-  const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(() => app.commit()));
+  const closed = check("Closed", true, (value) => void set({ closed: value }).then(keep));
+  const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(keep));
+  const levels = slider(CONTROLS.levels, { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: keep });
+  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.25, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: keep });
+  const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(keep));
   const boxes = new Map();
   const schemeList = h("div.schemes", { role: "group", "aria-label": "Schemes" });
   for (const { name, summary } of lists.curve_scheme.toSorted((a, b) => (b.name === "learned") - (a.name === "learned"))) {
@@ -388,7 +451,7 @@ export function curveTab(app, section) {
       type: "checkbox",
       onchange: () => {
         const schemes = box.checked ? [...state.schemes, name].slice(-8) : state.schemes.filter((other) => other !== name);
-        void set({ schemes }).then(() => app.commit());
+        void set({ schemes }).then(keep);
       },
     });
     boxes.set(name, { box, swatch });
@@ -410,7 +473,9 @@ export function curveTab(app, section) {
     }
   }
 
+  const files = downloads(FORMATS, save);
   async function save(format) {
+    app.clear(true);
     const result = results.find((one) => one.points);
     if (!result) return;
     try {
@@ -422,6 +487,7 @@ export function curveTab(app, section) {
     }
   }
   function picture() {
+    app.clear(true);
     draw();
     const copy = h("canvas", { width: canvas.width, height: canvas.height });
     const context = copy.getContext("2d");
@@ -439,32 +505,47 @@ export function curveTab(app, section) {
       group("Curve", h("div.row", {}, example.element, space.element), h("div.row", {}, closed.element, comb.element), h("div.row", {}, opener("Open file", ".csv,.geojson,.json,.obj,.gpx,.wkt,.topojson", (file) => open(file)), h("button", { type: "button", onclick: () => { fit(); redraw(); } }, "Fit view")),
         h("p.hint", {}, "Drag points. Double-click adds a point or marks a corner, a right click removes. Keys on a point: arrows, A adds, Delete removes, C corner.")),
       group("Schemes", schemeList, fairness.element, levels.element, ends.element),
-      group("Download", h("div.row", {}, ...[["csv", "CSV"], ["geojson", "GeoJSON"], ["wkt", "WKT"], ["gpx", "GPX"], ["topojson", "TopoJSON"], ["obj", "OBJ"]].map(([name, title]) => h("button", { type: "button", onclick: () => save(name) }, title)), h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
+      group("Download", h("div.row", {}, ...files.elements, h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
     ),
   );
 
-  async function open(file, fresh = true) {
+  async function read(bytes, name) {
+    const set_ = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, name) }, "Reading");
+    if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
+    const which = set_.curves.reduce((best, curve, i, all) => (curve.points.length > all[best].points.length ? i : best), 0);
+    const curve = set_.curves[which];
+    const length = curve.points.length / (set_.space === "sphere" ? 3 : 2);
+    return { ...curve, which, space: set_.space, length, curves: set_.curves.length, notes: set_.notes };
+  }
+  async function open(file) {
     app.clear();
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      const set_ = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, file.name) }, "Reading");
-      if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
-      const curve = set_.curves.reduce((a, b) => (b.points.length > a.points.length ? b : a));
-      const dim = set_.space === "sphere" ? 3 : 2;
-      const count = curve.points.length / dim;
-      big = count > 5000 ? curve.points : null;
-      state.data = big ? app.keep(file.name, bytes) : 0;
-      const points = big ? [] : Array.from({ length: count }, (_, i) => (dim === 3 ? round(toDegrees(...curve.points.slice(3 * i, 3 * i + 3))) : [...curve.points.slice(2 * i, 2 * i + 2)]));
-      const corners = curve.corners && !big ? [...curve.corners.keys()].filter((i) => curve.corners[i]) : [];
-      Object.assign(state, { space: set_.space, points, closed: curve.closed, corners, schemes: schemesOf(set_.space) });
-      if (big) state.levels = Math.min(state.levels, 3);
-      app.say(`${count} points read${set_.curves.length > 1 ? `, the longest of ${set_.curves.length} curves` : ""}`);
-      await set({}, { refit: true });
-      if (fresh) app.commit();
-      return true;
+      const curve = await read(bytes, file.name);
+      big = source = null;
+      const next = { space: curve.space, points: [], closed: curve.closed, corners: [], schemes: schemesOf(curve.space), data: 0, notes: curve.notes };
+      // How other programs find these points, as long as they stay as they are.
+      next.file = { name: file.name, which: curve.which, closed: curve.closed, layout: curve.curves === 1 && /\.(csv|tsv|txt)$/i.test(file.name) ? layoutOf(bytes, 2) : null };
+      if (curve.curves > 1) next.notes = [`the longest of ${curve.curves} curves of the file`, ...next.notes];
+      if (curve.length > MAX_EDITED) {
+        next.data = app.keep(file.name, bytes);
+        source = { data: next.data, space: curve.space, points: curve.points };
+        big = source.points;
+        next.levels = Math.min(state.levels, 3);
+      } else {
+        next.points = Array.from({ length: curve.length }, (_, i) => coordinates(curve.points, curve.space, i)).map((p) => (curve.space === "sphere" ? round(p) : p));
+        if (curve.corners) next.corners = [...curve.corners.keys()].filter((i) => curve.corners[i]);
+      }
+      app.say(`${curve.length} points read${curve.curves > 1 ? `, the longest of ${curve.curves} curves` : ""}`);
+      opening = file.name;
+      const done = await set(next, { refit: true });
+      await keep();
+      return done !== false; // a newer change decides about itself
     } catch (error) {
       app.fail(error, file.name);
       return false;
+    } finally {
+      opening = undefined;
     }
   }
 
@@ -480,15 +561,21 @@ export function curveTab(app, section) {
     },
     state: () => ({ ...state, points: big ? [] : state.points }),
     async restore(next) {
-      const moved = next.space !== state.space;
-      const given = next.data && next.data !== state.data ? app.file(next.data) : null;
-      if (given) await open(new File([given.bytes], given.name), false);
+      const before = { space: state.space, big };
       state = { ...structuredClone(FIRST), ...structuredClone(next) };
-      if (state.points.length) big = null;
+      const file = state.points.length === 0 && state.data ? app.file(state.data) : null;
+      const wanted = state;
+      if (file && source?.data !== state.data) {
+        const { space: name, points } = await read(file.bytes, file.name);
+        if (state !== wanted) return; // a later step of undo
+        source = { data: state.data, space: name, points };
+      }
+      if (!file) source = null;
+      big = source && largeIn(state.space);
       if (!big && !state.points.length) state = structuredClone(FIRST);
-      if (moved) fit();
+      if (before.space !== state.space || before.big !== big) fit();
       controls();
-      await compute();
+      if ((await compute()) === false) back();
     },
     /** Drag a point to a place: the milliseconds until its curve is drawn. For measurements. */
     async drag(i, place) {
@@ -501,19 +588,49 @@ export function curveTab(app, section) {
     inspect: () => ({ state, results, given, view: state.points.map((p) => view.screen(p)) }),
     commands() {
       const scheme = full(state.schemes[0] ?? "learned");
-      const few = state.points.length > 0 && state.points.length <= 60 && !state.corners.length;
-      const degrees = state.space === "sphere";
-      const header = `${degrees ? "lon,lat" : "x,y"}${state.corners.length ? ",corner" : ""}`;
-      const rows = state.points.map((p, i) => [...p, ...(state.corners.length ? [Number(state.corners.includes(i))] : [])].join(",")).join("\n");
-      const data = state.points.length && state.points.length <= 60 ? `cat > curve.csv <<'END'\n${state.space === "disk" ? "# space: disk\n" : ""}${state.closed ? "# closed\n" : ""}${header}\n${rows}\nEND\n` : "";
-      const end = state.closed ? "" : ` --ends ${state.ends}`;
-      const c = { plane: "bat_euclidean(2)", sphere: "bat_sphere(2)", disk: "bat_disk()" }[state.space];
-      const values = few ? state.points.slice(0, 8).flatMap((p) => (degrees ? toUnit(p).map((v) => Number(v.toFixed(6))) : p)).join(", ") + (state.points.length > 8 ? ", …" : "") : "…";
-      return {
-        shell: `${data}batten curve curve.csv --scheme ${scheme} --levels ${state.levels}${end} -o fine.csv --picture fine.png${state.comb ? " --comb" : ""}`,
-        c: `const bat_space space = ${c};\ndouble points[] = {${values}};\nconst bat_curve coarse = {\n    .space = &space, .points = points, .count = ${state.points.length}, .closed = ${state.closed}};\nbat_curve_refine_options options = bat_curve_refine_defaults();\nbat_error error;\nbat_curve fine = {0};\noptions.levels = ${state.levels};${state.closed ? "" : `\noptions.ends = ${enumerator("curve_end_rule", state.ends)};`}\nbat_curve_scheme_by_name("${scheme}", &options.scheme, &error);\nif (bat_curve_refine(&coarse, &options, &fine, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);\nbat_curve_free(&fine);`,
-        python: `import batten\n\npoints = [${few ? state.points.slice(0, 6).map((p) => `[${(degrees ? toUnit(p).map((v) => Number(v.toFixed(6))) : p).join(", ")}]`).join(", ") + (state.points.length > 6 ? ", ..." : "") : "..."}]\nfine = batten.refine(points, space="${state.space}", closed=${state.closed ? "True" : "False"},\n                     scheme="${scheme}", levels=${state.levels}${state.closed ? "" : `, ends="${state.ends}"`})`,
-      };
+      const { file, closed: ring, levels: depth, corners } = state;
+      const name = big ? source.space : state.space; // a large file is read as it is
+      const degrees = name === "sphere";
+      const few = !big && state.points.length <= MAX_LITERAL && !corners.length;
+      // What is not in the user's file goes into a small one.
+      const own = file && !corners.length && (big || !few) ? file : null;
+      const header = `${name === "disk" ? "# space: disk\n" : ""}${ring ? "# closed\n" : ""}${degrees ? "lon,lat" : "x,y"}${corners.length ? ",corner" : ""}`;
+      const rows = own ? [] : state.points.map((p, i) => [...p, ...(corners.length ? [Number(corners.includes(i))] : [])].join(","));
+      const given = own?.name ?? "curve.csv";
+      const turned = own && own.closed !== ring;
+      const end = ring ? "" : ` --ends ${state.ends}`;
+      const shell = `${own ? "" : `cat > curve.csv <<'END'\n${header}\n${rows.join("\n")}\nEND\n`}batten curve ${shellName(given)}${turned ? (ring ? " --closed" : " --open") : ""} --scheme ${scheme} --levels ${depth}${end} -o fine.csv --picture fine.png${state.comb ? " --comb" : ""}`;
+
+      const space = { plane: "bat_euclidean(2)", sphere: "bat_sphere(2)", disk: "bat_disk()" }[name];
+      const values = few ? state.points.map((p) => (degrees ? toUnit(p).map((v) => Number(v.toFixed(12))) : p).join(", ")).join(",\n    ") : "";
+      const at = `set.curves[${own?.which ?? 0}]`;
+      const c = [
+        ...(few
+          ? [`const bat_space space = ${space};`, `double points[] = {\n    ${values}};`, `const bat_curve coarse = {\n    .space = &space, .points = points, .count = ${state.points.length}, .closed = ${ring}};`]
+          : ["bat_curve_set set = {0};"]),
+        "bat_curve fine = {0};",
+        "bat_error error;",
+        "bat_curve_refine_options options = bat_curve_refine_defaults();",
+        `options.levels = ${depth};`,
+        ...(ring ? [] : [`options.ends = ${enumerator("curve_end_rule", state.ends)};`]),
+        `bat_status status = bat_curve_scheme_by_name("${scheme}", &options.scheme, &error);`,
+        ...(few ? [] : ["if (status == BAT_OK)", `    status = bat_curve_read(${quoted(given)}, NULL, &set, &error);`]),
+        ...(turned ? ["if (status == BAT_OK)", `    ${at}.closed = ${ring};`] : []),
+        "if (status == BAT_OK)",
+        `    status = bat_curve_refine(&${few ? "coarse" : at}, &options, &fine, &error);`,
+        "if (status != BAT_OK)",
+        '    fprintf(stderr, "%s\\n", error.text);',
+        "bat_curve_free(&fine);",
+        ...(few ? [] : ["bat_curve_set_free(&set);"]),
+      ];
+
+      let [packages, read] = [[], `points = [${state.points.map((p) => `[${p.join(", ")}]`).join(", ")}]`];
+      if (own && !own.layout) [packages, read] = longestIn(own.name, own.closed);
+      else if (!few) [packages, read] = [["np"], `points = ${loadtxt(given, own?.layout ?? { skip: header.split("\n").length, delimiter: ",", columns: [0, 1] })}`];
+      if (corners.length) read += `\ncorners = ${loadtxt(given, { skip: header.split("\n").length, delimiter: ",", columns: [2] }).replace("(2)", "2")}`;
+      const settings = [`space="${name}"`, `closed=${ring ? "True" : "False"}`, ...(corners.length ? ["corners=corners"] : [])].join(", ");
+      const python = `${imports(packages)}\n\n${read}\n${degrees ? "points = batten.from_lonlat(points)\n" : ""}fine = batten.refine(points, ${settings},\n                     scheme="${scheme}", levels=${depth}${ring ? "" : `, ends="${state.ends}"`})`;
+      return { shell, c: c.join("\n"), python };
     },
   };
 }

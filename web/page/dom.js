@@ -54,6 +54,9 @@ export function table(head, rows) {
   );
 }
 
+/** What a reader notes about a file, a paragraph each, below the figures. */
+export const notes = (texts) => (texts ?? []).map((text) => h("p.hint.note", {}, `${text[0].toUpperCase()}${text.slice(1)}.`));
+
 /** A canvas as large as its parent, in pixels of the device. */
 export function sized(canvas) {
   const { width, height } = canvas.parentElement.getBoundingClientRect();
@@ -82,6 +85,21 @@ export function download(name, data, type = "application/octet-stream") {
   const link = h("a", { href: URL.createObjectURL(new Blob([data], { type })), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+/** Buttons that download a file of each format, as [name, title]; those that cannot hold the data tell why. */
+export function downloads(formats, save) {
+  const buttons = formats.map(([name, title]) => [name, h("button", { type: "button", onclick: () => save(name) }, title ?? name.toUpperCase())]);
+  return {
+    elements: buttons.map(([, button]) => button),
+    /** Reasons by names of formats. */
+    refuse(reasons) {
+      for (const [name, button] of buttons) {
+        button.disabled = Boolean(reasons[name]);
+        button.title = reasons[name] ?? "";
+      }
+    },
+  };
 }
 
 /** A button that opens a file, beside dropping one. */

@@ -37,7 +37,8 @@ export function curve(batten, { coarse, schemes, options, measure = true }, prog
       }
       return result;
     } catch (error) {
-      return { scheme, error: error.message, index: error.index };
+      const { text, remedy, effect } = error;
+      return { scheme, error: { message: error.message, text, remedy, effect } };
     }
   });
   let given = null;
@@ -70,6 +71,18 @@ export function readCurves(batten, { bytes, options }) {
   const { curves, space, point_dim, notes, has_times } = set;
   set.free();
   return { curves, space, point_dim, notes, has_times };
+}
+
+/** Why formats cannot hold curves, by their names; nothing of those that can. */
+export function refusals(batten, { curves, formats }) {
+  const reasons = {};
+  for (const format of formats)
+    try {
+      batten.bat_curve_write_memory(curves, { format });
+    } catch (error) {
+      reasons[format] = error.text ?? error.message;
+    }
+  return reasons;
 }
 
 export function writeCurves(batten, { curves, format }) {
@@ -115,7 +128,7 @@ function tears(coarse, fine, levels) {
 }
 
 /** Refine a map with its topology, and each curve by itself to see what would have torn. */
-export function map(batten, { bytes, options, read, write }, progress) {
+export function map(batten, { bytes, options, read, write, formats = [] }, progress) {
   const set = batten.bat_curve_read_memory(bytes, read);
   const owned = [set];
   try {
@@ -139,6 +152,7 @@ export function map(batten, { bytes, options, read, write }, progress) {
       space: set.space,
       notes: set.notes,
       report: fine.report,
+      refused: refusals(batten, { curves: set, formats }),
       tears: torn.slice(0, 5000),
       torn: torn.length,
     };
@@ -212,8 +226,8 @@ export function motion(batten, { keys, samples, options }) {
   return { times, ...batten.bat_motion_spline_sample(keys, times, options) };
 }
 
-export function motionFile(batten, { csv, options, format }) {
-  const set = batten.bat_curve_read_memory(csv, { format: "csv" });
+export function motionFile(batten, { bytes, read, options, format }) {
+  const set = batten.bat_curve_read_memory(bytes, read);
   let fine = null;
   try {
     fine = batten.bat_motion_curves(set, options);
@@ -231,7 +245,7 @@ export function analyze(batten, { scheme, level }) {
   try {
     basis = batten.bat_mask_basis(scheme, level);
   } catch (error) {
-    refused = error.message;
+    refused = error.text ?? error.message;
   }
   return { analysis, basis, refused };
 }

@@ -43,10 +43,12 @@ const app = {
     }
     const place = [file, error.line].filter((part) => part).join(":");
     const control = controls[error.remedy];
-    alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${control ? `${error.text}; “${control}” ${error.effect}` : error.message}`;
+    // The library names its own options, of which the page has few.
+    alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${error.text ?? error.message}${control ? `; “${control}” ${error.effect}` : ""}`;
   },
   /** Results clear the message; that of a broken link or file stays until the user does something. */
-  clear() {
+  clear(acted = false) {
+    if (acted) kept = false;
     if (!kept) alertBox.textContent = "";
   },
   /** The state of the current tab changed for good: a step of undo. */
@@ -59,6 +61,14 @@ const app = {
     buttons();
     void writeLink();
     app.commands();
+  },
+  /** The view of the newest step changed: no step of undo, but a part of the link. */
+  amend(tab, view) {
+    const newest = JSON.parse(past[past.length - 1] ?? "null");
+    if (newest?.tab !== tab || JSON.stringify(newest.state.view) === JSON.stringify(view)) return;
+    newest.state.view = view;
+    past[past.length - 1] = JSON.stringify(newest);
+    void writeLink();
   },
   commands() {
     if (!tabs[current].commands) return;
@@ -255,8 +265,7 @@ addEventListener("drop", async (event) => {
   event.preventDefault();
   depth = 0;
   $("drop").hidden = true;
-  const file = event.dataTransfer.files[0];
-  if (file) await openFile(file);
+  await openFiles([...event.dataTransfer.files]);
 });
 
 /** The tabs that may take a file, the likeliest first: by its ending and its first bytes. Null for what no tab reads. */
@@ -285,25 +294,47 @@ async function tabsFor(file) {
 }
 
 /** Open a file in the tab that it belongs to. What no tab reads is told, and the page stays as it is. */
-async function openFile(file) {
+async function openFile(file, names) {
   kept = false;
   app.clear();
-  const names = await tabsFor(file);
   if (names === null) {
     app.fail(new Error("this page reads lines, maps, poses, meshes and points: CSV, GeoJSON, GPX, TUM, OBJ, PLY, OFF, STL, glTF, XYZ, PCD, LAS"), file.name);
     kept = true;
-    return;
+    return null;
   }
   const before = current;
   let told = "";
   for (const name of names) {
     show(name);
-    if (await tabs[name].open(file)) return;
+    if (await tabs[name].open(file)) return name;
     told ||= alertBox.textContent;
   }
   show(before);
   alertBox.textContent = told;
   kept = told !== "";
+  return null;
+}
+
+/** Open files, each in its tab, and show the first. A tab holds one file; the others are told. */
+async function openFiles(list) {
+  const chosen = await Promise.all(list.map(tabsFor));
+  const opened = new Map();
+  const told = [];
+  for (const [i, file] of list.entries()) {
+    const other = opened.get(chosen[i]?.[0]);
+    if (other) {
+      told.push(`batten: ${file.name}: not opened, because the tab ${$(`tab-${chosen[i][0]}`).textContent} shows one file, now ${other}`);
+      continue;
+    }
+    const name = await openFile(file, chosen[i]);
+    if (name) opened.set(name, opened.get(name) ?? file.name);
+    else told.push(alertBox.textContent);
+  }
+  if (list.length < 2) return;
+  kept = false;
+  if (opened.size > 0) show([...opened.keys()][0]);
+  alertBox.textContent = told.join("\n");
+  kept = told.length > 0;
 }
 
 let resizing = 0;

@@ -1,23 +1,35 @@
 // Maps: a GeoJSON file before and after, and where its borders would have torn.
 import { geoArea, geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
-import { check, color, digits, download, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, downloads, formatOf, group, h, notes, opener, select, sized, slider, table } from "./dom.js";
+import { imports, quoted, shapesIn, shellName } from "./code.js";
 import { divider } from "./scene.js";
 import { toDegrees } from "./view.js";
 
-const FORMATS = ["geojson", "topojson", "wkt", "gpx", "csv", "obj"];
+/** The controls of options that lead out of failures. */
+const CONTROLS = { levels: "Levels" };
+const FORMATS = [["geojson", "GeoJSON"], ["topojson", "TopoJSON"], ["wkt"], ["gpx"], ["csv"], ["obj"]];
+/** Of larger files only writing tells whether a format holds them. */
+const MAX_TRIED = 2e7;
 
 export function mapTab(app, section) {
-  let state = { scheme: "learned", levels: 3, topology: true, keep_area: false, decimals: 6, example: true, data: 0, marks: false };
+  let state = { scheme: "learned", levels: 3, topology: true, keep_area: false, decimals: 6, example: true, data: 0, marks: false, view: null };
   let bytes = null;
   let file = "map.geojson";
   let result = null;
   let zoom = { k: 1, x: 0, y: 0 };
   let started = false;
   let focus = -1;
+  let plane = false; // GeoJSON cannot hold the map
+  let offered = null; // the file whose formats the buttons offer
   const canvas = h("canvas", { role: "img", "aria-label": "The map before (dashed) and after, with tears marked" });
   const legend = h("div.legend", {}, "");
   const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "Map: arrow keys move, plus and minus zoom" }, canvas, legend);
-  const split = divider(stage, () => redraw());
+  const split = divider(stage, () => {
+    redraw();
+    remember();
+  });
+  /** The whole map with the slider in the middle. */
+  const WHOLE = [1, 0, 0, 50];
   const facts = h("div", {});
   let frame = 0;
 
@@ -28,7 +40,14 @@ export function mapTab(app, section) {
     bytes ??= example();
     try {
       const options = { scheme: state.scheme, levels: state.levels, find_corners: true, topology: state.topology, decimals: state.decimals, keep_area: state.topology && state.keep_area };
-      result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file) }, "Refining the map");
+      const tried = bytes;
+      const formats = tried === offered || tried.length > MAX_TRIED ? [] : FORMATS.map(([name]) => name);
+      result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), formats }, "Refining the map");
+      if (tried !== offered) {
+        files.refuse(result.refused);
+        plane = Boolean(result.refused.geojson);
+      }
+      offered = tried;
       app.clear();
       prepare();
       facts.replaceChildren(
@@ -40,9 +59,10 @@ export function mapTab(app, section) {
           [state.topology ? "would have torn" : "torn edges", digits(result.torn)],
           ["widest gap", result.tears.length ? `${digits(result.tears[0].gap * 6371, 3)} km` : "–"],
         ]),
+        ...notes(result.notes),
       );
     } catch (error) {
-      app.fail(error, state.example ? undefined : file);
+      app.fail(error, state.example ? undefined : file, CONTROLS);
       return error.message === "superseded" ? null : false;
     }
     redraw();
@@ -87,6 +107,32 @@ export function mapTab(app, section) {
     else base.fitExtent([[12, 12], [width - 12, height - 12]], { type: "Sphere" });
     const [x, y] = base.translate();
     return base.scale(base.scale() * zoom.k).translate([width / 2 + (x - width / 2) * zoom.k + zoom.x, height / 2 + (y - height / 2) * zoom.k + zoom.y]).clipExtent([[-5, -5], [width + 5, height + 5]]);
+  }
+
+  /** Pixels of the unit of the view in the state, which holds for stages of any size. */
+  function unit() {
+    const { width, height } = stage.getBoundingClientRect();
+    return result.space === "sphere" ? projection(width, height).scale() / zoom.k : Math.min(width, height);
+  }
+  let settling = 0;
+  /** Put the view into the state once it rests. */
+  function remember() {
+    clearTimeout(settling);
+    settling = setTimeout(() => {
+      if (!result || section.hidden) return;
+      const view = [zoom.k, zoom.x / unit(), zoom.y / unit(), split.value].map((value) => Number(value.toPrecision(6)));
+      state.view = view.join() === WHOLE.join() ? null : view;
+      app.amend("map", state.view);
+    }, 300);
+  }
+  /** Look as the state tells. */
+  function look() {
+    if (!result) return;
+    const [k, x, y, share] = state.view ?? WHOLE;
+    zoom = { k: 1, x: 0, y: 0 };
+    zoom = { k, x: x * unit(), y: y * unit() };
+    split.set(share);
+    redraw();
   }
 
   function redraw() {
@@ -188,6 +234,7 @@ export function mapTab(app, section) {
     }
     last = [event.clientX, event.clientY];
     redraw();
+    remember();
   });
   for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, (event) => touches.delete(event.pointerId));
   function scale(factor, x = 0, y = 0) {
@@ -195,6 +242,7 @@ export function mapTab(app, section) {
     const r = k / zoom.k;
     zoom = k === 1 ? { k, x: 0, y: 0 } : { k, x: x + (zoom.x - x) * r, y: y + (zoom.y - y) * r };
     redraw();
+    remember();
   }
   stage.addEventListener("wheel", (event) => {
     event.preventDefault();
@@ -211,6 +259,7 @@ export function mapTab(app, section) {
     else return;
     event.preventDefault();
     redraw();
+    remember();
   });
   function nextTear() {
     if (!result?.tears.length) return;
@@ -222,6 +271,7 @@ export function mapTab(app, section) {
     zoom = { k, x: (width / 2 - p[0]) * k, y: (height / 2 - p[1]) * k };
     app.say(`Tear ${focus + 1} of ${result.tears.length}: ${digits(result.tears[focus].gap * 6371, 3)} kilometres`);
     redraw();
+    remember();
   }
 
   const change = async (changes) => {
@@ -236,7 +286,7 @@ export function mapTab(app, section) {
     }
   };
   const scheme = select("Scheme", app.tables.map_schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
-  const levels = slider("Levels", { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
+  const levels = slider(CONTROLS.levels, { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
   const topology = check("Keep borders shared (topology)", true, (value) => change({ topology: value }));
   const marks = check("Mark borders that would tear", false, (value) => {
     state.marks = value;
@@ -264,7 +314,7 @@ export function mapTab(app, section) {
     app.clear();
     const last = { bytes, file, state: { ...state } };
     take({ name: chosen.name, bytes: new Uint8Array(await chosen.arrayBuffer()) });
-    state.example = false;
+    Object.assign(state, { example: false, view: null });
     if (await compute()) {
       state.data = app.keep(file, bytes);
       app.commit();
@@ -275,7 +325,9 @@ export function mapTab(app, section) {
     redraw();
     return false;
   }
+  const files = downloads(FORMATS, save);
   async function save(format) {
+    app.clear(true);
     try {
       const options = { scheme: state.scheme, levels: state.levels, find_corners: true, topology: state.topology, decimals: state.decimals, keep_area: state.keep_area };
       const { text } = await app.engine.call("map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), write: format }, "Writing");
@@ -287,10 +339,10 @@ export function mapTab(app, section) {
   section.append(
     stage,
     h("div.side", {},
-      group("Map", h("div.row", {}, opener("Open file", ".geojson,.json,.topojson,.wkt,.gpx,.csv,.geojsonl", open), h("button", { type: "button", onclick: () => { take(null); void change({ example: true, data: 0 }); } }, "Example")),
+      group("Map", h("div.row", {}, opener("Open file", ".geojson,.json,.topojson,.wkt,.gpx,.csv,.geojsonl", open), h("button", { type: "button", onclick: () => { take(null); void change({ example: true, data: 0, view: null }); } }, "Example")),
         h("p.hint", {}, "Drop a GeoJSON file of countries, parcels or coasts. The example is a map of 200 invented countries."), scheme.element, levels.element, topology.element, area.element, marks.element),
-      group("Figures", facts, h("div.row", {}, h("button", { type: "button", onclick: nextTear }, "Next tear"), h("button", { type: "button", onclick: () => { zoom = { k: 1, x: 0, y: 0 }; focus = -1; redraw(); } }, "Whole map"))),
-      group("Download", h("div.row", {}, ...FORMATS.map((format) => h("button", { type: "button", onclick: () => save(format) }, format === "geojson" ? "GeoJSON" : format === "topojson" ? "TopoJSON" : format.toUpperCase())))),
+      group("Figures", facts, h("div.row", {}, h("button", { type: "button", onclick: nextTear }, "Next tear"), h("button", { type: "button", onclick: () => { zoom = { k: 1, x: 0, y: 0 }; focus = -1; redraw(); remember(); } }, "Whole map"))),
+      group("Download", h("div.row", {}, ...files.elements)),
     ),
   );
   return {
@@ -311,13 +363,16 @@ export function mapTab(app, section) {
       if (other || !bytes) take(given);
       started = true;
       controls();
+      const first = other || !result;
       await compute();
+      if (first) look();
+      else remember();
     },
-    inspect: () => ({ state, result }),
+    inspect: () => ({ state, result, view: [zoom.k, zoom.x, zoom.y, split.value] }),
     commands: () => ({
-      shell: `batten curve ${file} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --topology separate"}${state.keep_area ? " --keep-area" : ""} -o fine.geojson --picture fine.png`,
-      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.refine.find_corners = true;\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
-      python: `import batten\nimport geopandas\n\ncountries = geopandas.read_file("${file}")\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}, find_corners=True${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.geojson")`,
+      shell: `batten curve ${shellName(file)} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --topology separate"}${state.keep_area ? " --keep-area" : ""} -o fine.${plane ? "wkt" : "geojson"} --picture fine.png`,
+      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read(${quoted(file)}, NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.refine.find_corners = true;\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.${plane ? "wkt" : "geojson"}", &fine, NULL, &error);`,
+      python: `${imports(shapesIn(file)[0])}\n\n${shapesIn(file)[2] ?? ""}countries = ${shapesIn(file)[1]}\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}, find_corners=True${result?.space === "sphere" && /\.(e?wkt|csv|obj)$/i.test(file) ? ', space="sphere"' : ""}${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.${plane ? "gpkg" : "geojson"}")`,
     }),
   };
 }

@@ -1,6 +1,6 @@
 // Meshes: refined by a scheme, decimated, and compared with another scheme, in three dimensions.
 import { Vector3 } from "three";
-import { check, color, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
+import { check, color, digits, download, endings, enumerator, group, h, notes, opener, select, slider, table } from "./dom.js";
 import { divider, scene3d } from "./scene.js";
 
 /** Meshes made by a formula, as [positions, faces]. */
@@ -63,7 +63,7 @@ const EXAMPLES = {
 };
 
 /** The controls of options that lead out of failures. */
-const CONTROLS = { repair: "Weld and repair first", scheme: "Scheme" };
+const CONTROLS = { repair: "Weld and repair first", scheme: "Scheme", levels: "Levels" };
 /** Decimation: nothing where `keep` is 100 and `within` is 0. */
 const FIRST = { example: "knot", data: 0, scheme: "auto", fairness: 0.25, levels: 2, limit: false, crease: 0, keep: 100, within: 0, against: "", wires: false, flat: false, repair: false };
 /** Which schemes have an option. */
@@ -124,6 +124,7 @@ export function meshTab(app, section) {
         ["scheme", "", result.scheme],
         ["mean quality of triangles", digits(before.mean_quality, 3), digits(summary.mean_quality, 3)],
       ]),
+      ...notes(coarse.notes),
       ...(result.base.distance === undefined ? [] : [h("p.hint", {}, `Decimated by at most ${digits(result.base.distance, 3)}, proven.`)]),
       ...(result.triangulated ? [h("p.hint", {}, "The polygons were cut into triangles; catmull-clark refines them as they are.")] : []),
       ...(fine.fallback ? [h("p.hint", {}, `${fine.fallback} places fell back to a classical rule.`)] : []),
@@ -144,7 +145,7 @@ export function meshTab(app, section) {
   });
   const scheme = select(CONTROLS.scheme, schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
   const against = select("Colour by distance from", [["", "nothing"], ...schemes.map(({ name }) => [name])], "", (value) => change({ against: value }));
-  const levels = slider("Levels", { min: 0, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
+  const levels = slider(CONTROLS.levels, { min: 0, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
   const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: state.fairness, format: (value) => value.toFixed(2), change: () => {}, commit: () => change({ fairness: Number(fairness.input.value) }) });
   const crease = slider("Creases above", { min: 0, max: 120, step: 5, value: 0, format: (value) => (value ? `${value}°` : "none"), change: () => {}, commit: () => change({ crease: Number(crease.input.value) }) });
   const keep = slider("Decimate first to", { min: 2, max: 100, step: 1, value: 100, format: (value) => `${value} % of the faces`, change: () => {}, commit: () => change({ keep: Number(keep.input.value), within: 0 }) });
@@ -201,6 +202,7 @@ export function meshTab(app, section) {
   }
   async function save(format) {
     if (!result) return;
+    app.clear(true);
     try {
       download(`fine.${format}`, await app.engine.call("writeMesh", { mesh: result.fine, format, encoding: "binary" }, "Writing"));
     } catch (error) {

@@ -1,6 +1,7 @@
 // Scans: scattered points become a spline surface, or a shell of any shape, judged by the points.
 import samples from "samples";
 import { check, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
+import { cloudIn, imports, layoutOf, quoted, shellName } from "./code.js";
 import { divider, scene3d } from "./scene.js";
 
 /** Numbers from 0 to 1 that look random and are always the same. */
@@ -88,7 +89,10 @@ export function scanTab(app, section) {
       ? [["points", digits(r.fitted)], ["noise of a coordinate", digits(r.noise, 3)], ["surface", `${r.closed ? "closed" : "open"} shell, ${r.face_count * r.spans ** 2} patches`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out, 3)], ["normals across sides", `${digits(r.normal_jump, 2)}°`], ...(r.closed ? [["volume", digits(r.volume, 4)]] : [["boundary loops", digits(r.holes)]])]
       : [["points", digits(result.points.length / 3)], ["noise of a coordinate", digits(r.noise, 3)], ["parameters", r.chosen], ["functions", `${r.functions} on ${r.levels} level${r.levels > 1 ? "s" : ""}`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out_rms, 3)], ["area", digits(r.verdict.area, 4)]];
     facts.replaceChildren(verdict, table(["", "value"], [...rows, ["seconds", digits(seconds, 2)]]));
-    for (const [name, button] of buttons) button.disabled = shell && !OF_SHELLS.includes(name);
+    for (const [name, button] of buttons) {
+      button.disabled = shell && !OF_SHELLS.includes(name);
+      button.title = button.disabled ? "holds one patch, and no shell" : "";
+    }
   }
   const change = async (changes) => {
     const last = { ...state };
@@ -125,6 +129,7 @@ export function scanTab(app, section) {
     return false;
   }
   async function save(name) {
+    app.clear(true);
     try {
       const data = await (await app.scanEngine()).call("writeScan", { format: name }, "Writing");
       download(`surface.${name}`, data);
@@ -206,13 +211,14 @@ export function scanTab(app, section) {
       const words = [near ? ` --tolerance ${near}` : "", given ? ` --parameterization ${state.parameters}` : "", trim ? " --trim" : "", shell ? " --shell" : "", state.robust && !shell ? " --robust" : "", state.force ? " --force" : ""].join("");
       const fields = (name, fit) => [near ? `${name}.${fit}tolerance = ${near};\n` : "", state.force ? `${name}.force = true;\n` : ""].join("");
       const c = shell
-        ? `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("${file}", NULL, &cloud, &error);\nbat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();\n${fields("options", "")}bat_shell shell;\nif (bat_shell_reconstruct(cloud.points, cloud.count, NULL, &options, &shell, NULL, &error) == BAT_OK)\n    bat_shell_write("surface.step", &shell, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text);`
-        : `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("${file}", NULL, &cloud, &error);\nbat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();\n${fields("options", "fit.")}${given ? `options.parameters = ${enumerator("surface_parameters", state.parameters)};\n` : ""}${trim ? "options.trim = true;\n" : ""}${state.robust ? "options.fit.robust = true;\n" : ""}bat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) == BAT_OK)\n    bat_surface_write("surface.step", &result.surface, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong`;
+        ? `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(file)}, NULL, &cloud, &error);\nbat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();\n${fields("options", "")}bat_shell shell;\nif (bat_shell_reconstruct(cloud.points, cloud.count, NULL, &options, &shell, NULL, &error) == BAT_OK)\n    bat_shell_write("surface.step", &shell, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text);`
+        : `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(file)}, NULL, &cloud, &error);\nbat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();\n${fields("options", "fit.")}${given ? `options.parameters = ${enumerator("surface_parameters", state.parameters)};\n` : ""}${trim ? "options.trim = true;\n" : ""}${state.robust ? "options.fit.robust = true;\n" : ""}bat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) == BAT_OK)\n    bat_surface_write("surface.step", &result.surface, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong`;
+      const [packages, read] = cloudIn(file, format, bytes && layoutOf(bytes, 3));
       const settings = [near ? `, tolerance=${near}` : "", given ? `, parameters="${state.parameters}"` : "", trim ? ", trim=True" : "", state.robust && !shell ? ", robust=True" : "", state.force ? ", force=True" : ""].join("");
       return {
-        shell: `batten surface ${file}${words} -o surface.step`,
+        shell: `batten surface ${shellName(file)}${words} -o surface.step`,
         c,
-        python: `import batten\nimport numpy as np\n\npoints = np.loadtxt("${file}")\nsurface = batten.fit_surface(points${shell ? ", shell=True" : ""}${settings})\nsurface.write("surface.step")`,
+        python: `${imports("np", packages)}\n\npoints = ${read}\nsurface = batten.fit_surface(points${shell ? ", shell=True" : ""}${settings})\nsurface.write("surface.step")`,
       };
     },
   };

@@ -67,6 +67,9 @@ export function divider(stage, change) {
   stage.append(line, input);
   set(50);
   return {
+    get value() {
+      return Number(input.value);
+    },
     get share() {
       const value = Number(input.value) / 100;
       if (input.hidden || value === 0 || value === 1) return input.hidden ? 0 : value;
