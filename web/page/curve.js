@@ -56,6 +56,7 @@ export function curveTab(app, section) {
   let big = null; // the points of a file that is too large to edit
   let source = null; // that file as it was read: number, space, points
   let good = { state: structuredClone(state), big, source }; // the last that gave a picture
+  let wanted = null; // the state that undo or a link asks for, until its file is read
   let drawn = false;
   let working = Promise.resolve(null);
   let opening; // the name of a file that has no picture yet
@@ -84,6 +85,7 @@ export function curveTab(app, section) {
   const snapshot = () => ({ state: structuredClone(state), big, source });
   let settled = working; // all refinements that began
   const compute = () => {
+    wanted = null;
     working = refine();
     settled = Promise.allSettled([settled, working]);
     return working;
@@ -561,16 +563,17 @@ export function curveTab(app, section) {
     },
     state: () => ({ ...state, points: big ? [] : state.points }),
     async restore(next) {
-      const before = { space: state.space, big };
-      state = { ...structuredClone(FIRST), ...structuredClone(next) };
-      const file = state.points.length === 0 && state.data ? app.file(state.data) : null;
-      const wanted = state;
-      if (file && source?.data !== state.data) {
+      const mine = (wanted = { ...structuredClone(FIRST), ...structuredClone(next) });
+      const file = mine.points.length === 0 && mine.data ? app.file(mine.data) : null;
+      let found = file && source?.data === mine.data ? source : null;
+      if (file && !found) {
         const { space: name, points } = await read(file.bytes, file.name);
-        if (state !== wanted) return; // a later step of undo
-        source = { data: state.data, space: name, points };
+        found = { data: mine.data, space: name, points };
+        if (wanted !== mine) return; // a later step of undo, or a change
       }
-      if (!file) source = null;
+      // Together: the picture is drawn from all three.
+      const before = { space: state.space, big };
+      [state, source] = [mine, found];
       big = source && largeIn(state.space);
       if (!big && !state.points.length) state = structuredClone(FIRST);
       if (before.space !== state.space || before.big !== big) fit();

@@ -100,7 +100,7 @@ async function step() {
   buttons();
   const { tab, state } = JSON.parse(past[past.length - 1]);
   show(tab);
-  await tabs[tab].restore(state);
+  await tabs[tab].restore(state).catch((error) => app.fail(error, app.file(state.data)?.name)); // a file that was not read
   void writeLink();
   app.commands();
 }

@@ -76,6 +76,7 @@ export function meshTab(app, section) {
   let file = "mesh.obj";
   let result = null;
   let started = false;
+  let wanted = null; // the state that undo or a link asks for, until its file is read
   const schemes = app.tables.lists.mesh_scheme;
   const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "The mesh; drag to turn, arrow keys turn too" });
   const legend = h("div.legend", {}, "");
@@ -89,6 +90,7 @@ export function meshTab(app, section) {
   /** Options of decimation; null for none. */
   const decimation = () => (state.within > 0 ? { tolerance: state.within / 100, relative_tolerance: true } : state.keep < 100 ? { ratio: state.keep / 100 } : null);
   async function compute() {
+    wanted = null;
     const refine = { scheme: state.scheme, levels: state.levels, fairness: state.fairness, limit: state.limit, crease_angle: (state.crease * Math.PI) / 180 };
     try {
       result = await app.engine.latest("mesh", "mesh", { coarse, decimate: decimation(), refine, against: state.against, repair: state.repair }, "Refining the mesh");
@@ -229,16 +231,18 @@ export function meshTab(app, section) {
     },
     state: () => state,
     async restore(next) {
-      const other = next.data !== state.data;
-      state = { ...FIRST, ...next };
+      const mine = (wanted = { ...FIRST, ...next });
       started = true;
-      const given = state.example ? null : app.file(state.data);
-      if (!given && !EXAMPLES[state.example]) Object.assign(state, { example: FIRST.example, data: 0 });
-      if (EXAMPLES[state.example]) coarse = EXAMPLES[state.example][1]();
-      else if (other) {
-        file = given.name;
-        coarse = (await app.engine.call("readMesh", { bytes: given.bytes, options: {} }, "Reading")).mesh;
+      const given = mine.example ? null : app.file(mine.data);
+      if (!given && !EXAMPLES[mine.example]) Object.assign(mine, { example: FIRST.example, data: 0 });
+      let found = coarse;
+      if (EXAMPLES[mine.example]) found = EXAMPLES[mine.example][1]();
+      else if (mine.data !== state.data) {
+        found = (await app.engine.call("readMesh", { bytes: given.bytes, options: {} }, "Reading")).mesh;
+        if (wanted !== mine) return; // a later step of undo, or a change
       }
+      // Together: the commands are made of all three.
+      [state, coarse, file] = [mine, found, given?.name ?? file];
       controls();
       await compute();
     },

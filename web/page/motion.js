@@ -31,6 +31,7 @@ export function motionTab(app, section) {
   let result = null;
   let big = null; // the keyframes of a file that is too large to edit
   let good = { state: structuredClone(state), big }; // the last that gave a picture
+  let wanted = null; // the state that undo or a link asks for, until its file is read
   let started = false;
   let now = 0.35;
   let playing = 0;
@@ -62,7 +63,10 @@ export function motionTab(app, section) {
   const sampled = () => result.times.length;
   let opening; // the name of a file that has no picture yet
   let working = Promise.resolve(null);
-  const compute = () => (working = sample());
+  const compute = () => {
+    wanted = null;
+    return (working = sample());
+  };
   /** True once the motion is drawn, null where a newer call takes over, false after a failure, of which the user is told. */
   async function sample() {
     const tried = { state: structuredClone(state), big };
@@ -422,14 +426,16 @@ export function motionTab(app, section) {
     },
     state: () => state,
     async restore(next) {
-      state = structuredClone(next);
-      const wanted = state;
+      const mine = (wanted = structuredClone(next));
       started = true;
-      const file = state.keys.length === 0 && state.data ? app.file(state.data) : null;
-      const last = big && good.state.data === state.data ? big : null;
-      const found = file && !last ? (await read(file.bytes, file.name)).keys : last;
-      if (state !== wanted) return; // a later step of undo
-      big = file ? found : null;
+      const file = next.keys.length === 0 && next.data ? app.file(next.data) : null;
+      let found = file && state.data === next.data ? big : null;
+      if (file && !found) {
+        found = (await read(file.bytes, file.name)).keys;
+        if (wanted !== mine) return; // a later step of undo, or a change
+      }
+      // Together: the timeline is drawn from both.
+      [state, big] = [mine, found];
       controls();
       if ((await compute()) === false) back();
     },

@@ -362,6 +362,75 @@ test("a large curve changes its space, and undo brings the file back", async () 
   await until(`state.space === "sphere" && [...results[0].points.slice(0, 3)].join() === "${first}"`);
 });
 
+test("until undo has read its file, the page stays as it is", async () => {
+  /** Hold what reads a file back. */
+  const hold = () =>
+    page.evaluate(() => {
+      const { engine } = window.batten.app;
+      const { call } = engine;
+      const held = [];
+      engine.call = async function (job, ...more) {
+        if (/^read/.test(job)) await new Promise((resolve) => held.push(resolve));
+        return call.call(this, job, ...more);
+      };
+      window.release = () => {
+        delete engine.call;
+        held.forEach((resolve) => resolve());
+      };
+    });
+  const release = () => page.evaluate("window.release()");
+  const frames = () => page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(resolve)))));
+  const before = complaints.length;
+
+  await open("#motion");
+  await until("result.points.length > 0");
+  await drop("many.tum", Array.from({ length: 2500 }, (_, i) => `${i} ${Math.cos(i / 90).toFixed(4)} ${Math.sin(i / 70).toFixed(4)} 0 0 0 0 1\n`).join(""));
+  await until("state.data > 0 && result.times.length > 1000");
+  await page.$$eval("#motion button", (all) => all.find((one) => one.textContent === "Example").click());
+  await until("state.keys.length === 8 && result.times.length < 1000");
+  await idle();
+  await hold();
+  await page.click("#undo");
+  await frames();
+  assert.deepEqual(complaints.slice(before), []);
+  assert.equal(await inspect("state.keys.length"), 8);
+  await release();
+  await until("state.data > 0 && result.times.length > 1000");
+
+  await open();
+  await drop("many.csv", many(6000, "x,y"));
+  await until("state.data > 0 && results[0].points.length > 12000");
+  await choose("Example", "star");
+  await until("state.points.length === 10 && results[0].points.length < 12000");
+  await idle();
+  await hold();
+  await page.click("#undo");
+  await frames();
+  assert.equal(await inspect("state.points.length"), 10);
+  await release();
+  await until("state.data > 0 && results[0].points.length > 12000");
+
+  // A later step counts, also while the file of an earlier one is read.
+  await open("#mesh");
+  await until("result");
+  await drop("body.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  await until("state.data > 0 && result.before.faces === 4");
+  await choose("Example", "bracket");
+  await until('state.example === "bracket" && result.before.faces === 20');
+  await idle();
+  await hold();
+  await page.click("#undo");
+  await page.click("#redo");
+  await until('state.example === "bracket"');
+  await release();
+  await frames();
+  await idle();
+  assert.equal(await inspect("`${state.example} ${result.before.faces}`"), "bracket 20");
+  await page.click("#undo");
+  await until("state.data > 0 && result.before.faces === 4");
+  assert.deepEqual(complaints.slice(before), []);
+});
+
 test("a motion without a picture is told, and the last good one stays", async () => {
   await open("#motion");
   await until("result.points.length > 0");
