@@ -747,26 +747,43 @@ test("a large file can be cancelled", async () => {
   const input = await page.$("#curve input[type=file]");
   // The bar without delay, and a click when it first names the refinement: on a fast machine the work is done before a call of
   // this test gets there.
-  await page.evaluate(() => {
-    const engine = window.batten.app.engine;
-    const bar = document.getElementById("progress");
-    engine.delay = 0;
-    window.cancelled = false;
-    new MutationObserver((_, observer) => {
-      if (bar.hidden || document.getElementById("working").textContent !== "Refining") return;
-      observer.disconnect();
-      engine.delay = 300;
-      window.cancelled = true;
-      document.getElementById("cancel").click();
-    }).observe(bar, { attributes: true, childList: true, subtree: true });
-  });
-  await input.uploadFile(path);
-  await page.waitForFunction(() => window.cancelled && document.getElementById("progress").hidden, WAIT);
-  assert.ok((await inspect("results.every((one) => !one.points || one.points.length < 200000)")));
+  const cancelled = async () => {
+    await idle();
+    const shown = () => inspect("JSON.stringify([state, results.map((one) => [one.scheme, one.points.length])])");
+    const before = await shown();
+    await page.evaluate(() => {
+      const engine = window.batten.app.engine;
+      const bar = document.getElementById("progress");
+      engine.delay = 0;
+      window.cancelled = false;
+      new MutationObserver((_, observer) => {
+        if (bar.hidden || document.getElementById("working").textContent !== "Refining") return;
+        observer.disconnect();
+        engine.delay = 300;
+        window.cancelled = true;
+        document.getElementById("cancel").click();
+      }).observe(bar, { attributes: true, childList: true, subtree: true });
+    });
+    await input.uploadFile(path);
+    await page.waitForFunction(() => window.cancelled && document.getElementById("progress").hidden && document.getElementById("said").textContent === "Cancelled", WAIT);
+    assert.equal(await shown(), before);
+    assert.equal(await alertText(), "");
+  };
+  const fourPoint = () =>
+    page.evaluate(() => {
+      for (const label of document.querySelectorAll("#curve .schemes label")) if (label.querySelector("input").checked !== (label.textContent === "four-point")) label.click();
+    });
+  // The last good curve stays, also in another space than that of the file.
+  await choose("Example", "coast");
+  await until('state.space === "sphere" && results[0].points');
+  await cancelled();
+  await fourPoint();
+  await told(/a linear scheme needs a Euclidean space, not the sphere/);
+  await choose("Example", "guitar");
+  await until('state.space === "plane" && results[0].points.length < 20000');
+  await cancelled();
   // The network takes seconds for so many points, and minutes on a busy machine.
-  await page.evaluate(() => {
-    for (const label of document.querySelectorAll("#curve .schemes label")) if (label.querySelector("input").checked !== (label.textContent === "four-point")) label.click();
-  });
+  await fourPoint();
   await until('state.schemes.join() === "four-point"');
   await input.uploadFile(path);
   await until("results.length === 1 && results[0].points && results[0].points.length >= 200000");
