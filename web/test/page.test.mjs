@@ -564,7 +564,8 @@ test("a scan becomes the program's surface", async () => {
   execFileSync(program, ["shape", "hull", "--vertices", "1500", "--seed", "4", "-o", scan]);
   await tab("scan");
   await drop(scan);
-  await page.waitForFunction((name) => window.batten.tabs.scan.commands().shell.includes(name) && document.getElementById("progress").hidden, WAIT, "side.xyz");
+  await until(`result.points.length === ${3 * readFileSync(scan, "utf8").match(/^[-\d]/gm).length}`);
+  await idle();
   const out = join(folder, "side.json");
   const [verb, ...words] = (await page.evaluate("window.batten.tabs.scan.commands()")).shell.replace("batten ", "").split(" ");
   execFileSync(program, [verb, ...words.map((word) => (word === "surface.step" ? "side.json" : word)), "--quiet"], { cwd: folder });
