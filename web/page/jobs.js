@@ -300,7 +300,7 @@ function nearestValues(places, points, values, spacing) {
   });
 }
 
-/** Fit a surface to the points of a file: a patch, or a shell where the points need one. */
+/** Fit a surface to the points of a file: a patch, or a trimmed patch or a shell where the points need one. */
 export function scan(batten, { bytes, format, kind, parameters, tolerance, robust, force }, progress) {
   const cloud = batten.bat_cloud_read(bytes, format ? { format } : {});
   const { points } = cloud;
@@ -311,23 +311,24 @@ export function scan(batten, { bytes, format, kind, parameters, tolerance, robus
   });
   const near = (tolerance / 1000) * Math.hypot(...high.map((value, i) => value - low[i]));
   const began = performance.now();
-  const patch = () => batten.bat_surface_reconstruct(cloud, { ...(kind === "trim" ? { trim: true } : { parameters }), tolerance: near, robust, force, progress });
+  const patch = (trim) => batten.bat_surface_reconstruct(cloud, { ...(trim ? { trim } : { parameters }), tolerance: near, robust, force, progress });
   const shell = () => batten.bat_shell_reconstruct(cloud, { tolerance: near, force, progress });
   let next;
-  let found = kind === "shell" ? "shell" : "patch";
+  let found = kind === "auto" ? "patch" : kind;
+  const make = () => (found === "shell" ? shell() : patch(found === "trim"));
   try {
-    next = kind === "shell" ? shell() : patch();
+    next = make();
   } catch (error) {
-    if (kind !== "auto" || error.remedy !== "shell") throw error;
-    found = "shell";
-    next = shell();
+    if (kind !== "auto" || !["shell", "trim"].includes(error.remedy)) throw error;
+    found = error.remedy;
+    next = make();
   }
   const seconds = (performance.now() - began) / 1000;
   made?.free();
   made = next;
   let mesh;
   if (found === "shell") mesh = cut(batten, batten.bat_shell_tessellate(made, Math.max(2, Math.round(160 / Math.sqrt(made.face_count * made.spans ** 2)))));
-  else if (kind === "trim") mesh = batten.bat_mesh_read_memory(batten.bat_surface_write(made, { format: "obj" }), { format: "obj" });
+  else if (found === "trim") mesh = batten.bat_mesh_read_memory(batten.bat_surface_write(made, { format: "obj" }), { format: "obj" });
   else {
     const grid = gridOf(120);
     mesh = { positions: batten.bat_spline_surface_evaluate(made, grid.parameters), faces: grid.faces };

@@ -206,8 +206,8 @@ export function scanTab(app, section) {
     commands() {
       const shell = result?.kind === "shell";
       const near = result && state.tolerance > 0 ? Number(result.tolerance.toPrecision(3)) : 0;
-      const given = state.parameters !== FIRST.parameters && !shell && state.kind !== "trim";
-      const trim = state.kind === "trim";
+      const trim = result ? result.kind === "trim" : state.kind === "trim";
+      const given = state.parameters !== FIRST.parameters && !shell && !trim;
       const words = [near ? ` --tolerance ${near}` : "", given ? ` --parameterization ${state.parameters}` : "", trim ? " --trim" : "", shell ? " --shell" : "", state.robust && !shell ? " --robust" : "", state.force ? " --force" : ""].join("");
       const fields = (name, fit) => [near ? `${name}.${fit}tolerance = ${near};\n` : "", state.force ? `${name}.force = true;\n` : ""].join("");
       const c = shell
