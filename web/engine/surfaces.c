@@ -40,6 +40,7 @@ static bat_status cloud_noise(const engine_call *call, engine_object *result, ba
 static json_t *verdict_json(const bat_surface_verdict *verdict)
 {
     static const char *const FAULTS[] = {"none", "misses points", "leaves points", "folds", "area"};
+    static const char *const DOUBTS[] = {"none", "planes", "outline", "rim", "gap", "stray", "area"};
     json_t *json = json_object();
     engine_set(json, "fault", json_string(FAULTS[verdict->fault]));
     engine_set(json, "distance_from_surface", engine_number(verdict->distance_from_surface));
@@ -50,12 +51,33 @@ static json_t *verdict_json(const bat_surface_verdict *verdict)
     engine_set(json, "area", engine_number(verdict->area));
     engine_set(json, "cloud_area", engine_number(verdict->cloud_area));
     engine_set(json, "spacing", engine_number(verdict->spacing));
+    engine_set(json, "off_planes", engine_number(verdict->off_planes));
     engine_set(json, "place", engine_numbers(verdict->place, 3));
+    engine_set(json, "doubt", json_string(DOUBTS[verdict->doubt]));
+    engine_set(json, "doubt_size", engine_number(verdict->doubt_size));
+    engine_set(json, "doubt_place", engine_numbers(verdict->doubt_place, 3));
     bat_error error;
     bool right = bat_surface_verdict_check(verdict, &error) == BAT_OK;
     engine_set(json, "right", json_boolean(right));
     engine_set(json, "text", json_string(right ? "" : error.text));
     return json;
+}
+
+/// Holes of a trimmed surface, and gaps that it closes.
+static json_t *gaps_json(const bat_surface_result *made)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < made->gap_count; k++)
+    {
+        const bat_surface_gap *gap = &made->gaps[k];
+        json_t *row = json_object();
+        engine_set(row, "closed", json_boolean(gap->closed));
+        engine_set(row, "diameter", engine_number(gap->diameter));
+        engine_set(row, "area", engine_number(gap->area));
+        engine_set(row, "place", engine_numbers(gap->place, 3));
+        (void)json_array_append_new(list, row);
+    }
+    return list;
 }
 
 static void report_fit(engine_object *result, size_t points)
@@ -81,6 +103,7 @@ static void report_fit(engine_object *result, size_t points)
     engine_set(report, "corners_found", json_boolean(made->corners_found));
     engine_set(report, "is_plane", json_boolean(made->is_plane));
     engine_set(report, "verdict", verdict_json(&made->verdict));
+    engine_set(report, "gaps", gaps_json(made));
     engine_set(report, "distances", engine_array("f64", fit->distances, points));
     engine_set(report, "parameters", engine_array("f64", made->parameters, 2 * points));
     engine_set(report, "dimension", engine_size(made->surface.dimension));

@@ -34,6 +34,15 @@ const KINDS = [["auto", "found"], ["patch", "one patch"], ["trim", "trimmed patc
 const FORMATS = ["step", "iges", "obj", "json", "xml", "vtk"];
 const OF_SHELLS = ["step", "obj"];
 const FIRST = { example: "panel", data: 0, kind: "auto", parameters: "auto", tolerance: 0, robust: false, force: false, colour: false };
+/** What a right surface may still have wrong, by the names of doubts. */
+const DOUBTS = {
+  planes: "it leaves the tangent planes of the points beside it",
+  outline: "neighbours on its outline are far apart",
+  rim: "points are sparse at its outline, so that the shape may go on",
+  gap: "a gap between points is closed",
+  stray: "a point lies far off and bends it (see “Robust against outliers”)",
+  area: "it is larger than what “Surface: trimmed patch” gives",
+};
 /** The controls of options that lead out of failures. */
 const CONTROLS = { shell: "Surface: shell of any shape", trim: "Surface: trimmed patch", force: "Show it all the same" };
 
@@ -75,19 +84,28 @@ export function scanTab(app, section) {
     const most = scene.show({ low, high, mesh, values: state.colour ? distances : null, cloud: points, split: () => split.share });
     legend.textContent = most === null ? "left: points; right: the surface" : `left: points; right: the surface, by the distance of its points: dark 0, yellow ${digits(most, 3)}`;
   }
+  /** The verdict in words: right, right with a doubt, or wrong. */
+  function judge() {
+    const { report: r, kind } = result;
+    if (kind === "shell") return ["good", "Right: judged by the points, both ways."];
+    const { right, text: fault, doubt, doubt_size: size, doubt_place: place, ...v } = r.verdict;
+    if (!right) return ["bad", `Wrong: ${fault}`];
+    const near = `99 of 100 points are within ${digits(v.distance_from_surface, 3)}, and 99 % of the surface is within ${digits(v.distance_from_points, 3)} of a point.`;
+    if (!DOUBTS[doubt]) return ["good", `Right: ${near}`];
+    const where = place.every(Number.isFinite) ? `, by up to ${digits(size, 3)}, near ${place.map((value) => digits(value, 4)).join(" ")}` : "";
+    return ["doubt", `Right, but ${DOUBTS[doubt]}${where}. ${near[0].toUpperCase()}${near.slice(1)}`];
+  }
+  /** Holes and closed gaps of a trimmed surface, each a row. */
+  const gaps = ({ gaps: all = [] }) => all.map(({ closed, diameter }) => [closed ? "closed gap" : "hole", `${digits(diameter, 3)} across`]);
   function figures() {
     const { report: r, kind, seconds } = result;
     const shell = kind === "shell";
-    const right = shell || r.verdict.right;
-    verdict.className = right ? "verdict good" : "verdict bad";
-    verdict.textContent = right
-      ? shell
-        ? "Right: judged by the points, both ways."
-        : `Right: 99 of 100 points are within ${digits(r.verdict.distance_from_surface, 3)}, and 99 % of the surface is within ${digits(r.verdict.distance_from_points, 3)} of a point.`
-      : `Wrong: ${r.verdict.text}`;
+    const [is, words] = judge();
+    verdict.className = `verdict ${is}`;
+    verdict.textContent = words;
     const rows = shell
       ? [["points", digits(r.fitted)], ["noise of a coordinate", digits(r.noise, 3)], ["surface", `${r.closed ? "closed" : "open"} shell, ${r.face_count * r.spans ** 2} patches`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out, 3)], ["normals across sides", `${digits(r.normal_jump, 2)}°`], ...(r.closed ? [["volume", digits(r.volume, 4)]] : [["boundary loops", digits(r.holes)]])]
-      : [["points", digits(result.points.length / 3)], ["noise of a coordinate", digits(r.noise, 3)], ["parameters", r.chosen], ["functions", `${r.functions} on ${r.levels} level${r.levels > 1 ? "s" : ""}`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out_rms, 3)], ["area", digits(r.verdict.area, 4)]];
+      : [["points", digits(result.points.length / 3)], ["noise of a coordinate", digits(r.noise, 3)], ["parameters", r.chosen], ["functions", `${r.functions} on ${r.levels} level${r.levels > 1 ? "s" : ""}`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out_rms, 3)], ["area", digits(r.verdict.area, 4)], ...gaps(r)];
     facts.replaceChildren(verdict, table(["", "value"], [...rows, ["seconds", digits(seconds, 2)]]));
     for (const [name, button] of buttons) {
       button.disabled = shell && !OF_SHELLS.includes(name);

@@ -173,6 +173,7 @@ describe("equal to the native program", () => {
       native("surface", given, ...flags, "-o", out);
       const surface = batten.bat_surface_reconstruct(batten.bat_cloud_read(readFileSync(given), { format: "xyz" }), options);
       assert.ok(surface.verdict.right);
+      assert.deepEqual([surface.verdict.doubt, surface.gaps.length], ["none", 0]);
       compare(decode(batten.bat_surface_write(surface, { format: "json" })), out, 1e-6);
       const step = decode(batten.bat_surface_write(surface, { format: "step" }));
       assert.match(step, /^ISO-10303-21;[\s\S]*END-ISO-10303-21;\s*$/);

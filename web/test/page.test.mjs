@@ -578,6 +578,31 @@ test("a scan becomes the program's surface", async () => {
   assert.match(await page.$eval("#scan .verdict", (box) => box.textContent), /^Right/);
 });
 
+test("a scan tells doubts, holes and gaps in words", async () => {
+  const grid = Array.from({ length: 1500 }, (_, i) => {
+    const [x, y] = [(i % 50) / 25 - 1 + 0.01 * Math.sin(7 * i), Math.floor(i / 50) / 22 - 0.7 + 0.01 * Math.cos(5 * i)];
+    return [x, y, 0.3 * Math.sin(2 * x) * Math.cos(1.7 * y)];
+  });
+  const put = async (name, points) => {
+    await drop(name, points.map((p) => p.map((value) => value.toFixed(6)).join(" ")).join("\n"));
+    await until(`result.points.length === ${3 * points.length}`);
+    await idle();
+  };
+  const told = () => page.$eval("#scan .verdict", (box) => `${box.className}: ${box.textContent}`);
+  await tab("scan");
+  await put("stray.xyz", [...grid, [0.1, 0.1, 0.9]]);
+  assert.match(await told(), /^verdict doubt: Right, but a point lies far off and bends it \(see “Robust against outliers”\), by up to 0\.7\d*, near 0\.1 0\.1 0\.9\. 99 of 100 points are within /);
+  // A scan with a hole is trimmed without being asked.
+  await put("hole.xyz", grid.filter(([x, y]) => Math.hypot(x - 0.1, y) > 0.3));
+  assert.match(await told(), /^verdict good: Right: /);
+  assert.match(await page.$eval("#scan table", (box) => box.textContent), /hole0\.[67]\d* across/);
+  assert.match((await page.evaluate("window.batten.tabs.scan.commands()")).shell, /^batten surface hole\.xyz --trim /);
+  await choose("Surface", "patch");
+  await page.waitForFunction(() => /“Surface: trimmed patch” cuts the holes out$/.test(document.getElementById("alert").textContent), WAIT);
+  await choose("Surface", "auto");
+  await idle();
+});
+
 test("before and after, by the keyboard", async () => {
   for (const name of ["map", "mesh", "scan"]) {
     await tab(name);
