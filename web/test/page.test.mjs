@@ -830,6 +830,7 @@ test("every tab, both themes, wide and narrow: nothing overflows, and axe finds 
         await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
         assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${name} overflows ${width} pixels`);
         assert.ok((await page.$eval("#shell", (box) => box.textContent)).includes("batten"), `${name} has no command`);
+        assert.equal(await page.$eval(`#${name} select`, (box) => getComputedStyle(box).colorScheme), theme);
         // The stage is not empty.
         assert.ok(
             await page.evaluate((which) => {
