@@ -97,6 +97,7 @@ function buttons() {
 
 /** Restore the newest state; of several steps in a row the last one counts. */
 async function step() {
+  kept = false;
   buttons();
   const { tab, state } = JSON.parse(past[past.length - 1]);
   show(tab);

@@ -706,6 +706,11 @@ test("several files go to their tabs, and what finds no place is told", async ()
   assert.equal(await inspect("JSON.stringify(state.points)"), "[[0,0],[1,1],[2,0]]");
   await tab("mesh");
   assert.equal(await inspect("result.before.faces"), 4);
+  // The message stays until the user does something.
+  await drop("photo.dat", "\0\0");
+  await told(/^batten: photo\.dat: this page reads/);
+  await page.click("#undo");
+  await page.waitForFunction(() => document.getElementById("alert").textContent === "", WAIT);
 });
 
 test("what is shown of curves, maps and scans runs, and reads the user's file", async () => {
