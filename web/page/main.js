@@ -145,7 +145,12 @@ async function readLink() {
   }
   if (!hash.startsWith("s=")) return null;
   const fromBase64 = (text) => Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (letter) => letter.charCodeAt(0));
-  const bytes = await through(new DecompressionStream("deflate-raw"), fromBase64(hash.slice(2)));
+  let bytes;
+  try {
+    bytes = await through(new DecompressionStream("deflate-raw"), fromBase64(hash.slice(2)));
+  } catch {
+    throw new Error("it is cut off or changed"); // browsers tell of a fetch here, where nothing is fetched
+  }
   const { tab, state, file } = JSON.parse(new TextDecoder().decode(bytes));
   if (state.data) state.data = file ? app.keep(String(file.name), fromBase64(file.bytes)) : 0;
   if (!tabs[tab]) throw new Error("the link names no tab of this page");
