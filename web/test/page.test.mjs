@@ -118,7 +118,11 @@ const choose = (label, value) =>
     label,
     value,
   );
-const focus = (point) => page.$eval(`#curve .stage svg circle:nth-of-type(${point})`, (circle) => circle.focus());
+/** Handles come with the next frame of a curve. */
+const focus = async (point) => {
+  await page.waitForFunction((most) => document.querySelectorAll("#curve .stage svg circle").length === most, WAIT, await inspect("state.points.length"));
+  await page.$eval(`#curve .stage svg circle:nth-of-type(${point})`, (circle) => circle.focus());
+};
 const alertText = () => page.$eval("#alert", (box) => box.textContent);
 
 /** Drop a file onto the page. */
@@ -808,12 +812,13 @@ test("a large file can be cancelled", async () => {
     });
   // The last good curve stays, also in another space than that of the file.
   await choose("Example", "coast");
-  await until('state.space === "sphere" && results[0].points');
+  const drawn = (dimension) => `results.length === 1 && results[0].points.length === ${dimension} * state.points.length * 2 ** state.levels`;
+  await until(`state.space === "sphere" && ${drawn(3)}`);
   await cancelled();
   await fourPoint();
   await told(/a linear scheme needs a Euclidean space, not the sphere/);
   await choose("Example", "guitar");
-  await until('state.space === "plane" && results[0].points.length < 20000');
+  await until(`state.space === "plane" && ${drawn(2)}`);
   await cancelled();
   // The network takes seconds for so many points, and minutes on a busy machine.
   await fourPoint();
