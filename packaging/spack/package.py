@@ -30,6 +30,10 @@ class Batten(CMakePackage):
     depends_on("petsc@3.18:", when="+mpi")
 
     def cmake_args(self):
-        off = [self.define(f"BATTEN_{part}", False) for part in ("TESTS", "BENCH", "EXAMPLES")]
-        return off + [self.define(f"BATTEN_{part.upper()}", "ON" if f"+{part}" in self.spec else "OFF")
-                      for part in ("gdal", "mpi")]
+        return [
+            self.define("BATTEN_TESTS", False),
+            self.define("BATTEN_BENCH", False),
+            self.define("BATTEN_EXAMPLES", False),
+            self.define_from_variant("BATTEN_GDAL", "gdal"),
+            self.define_from_variant("BATTEN_MPI", "mpi"),
+        ]
