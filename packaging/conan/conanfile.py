@@ -11,6 +11,7 @@ class Batten(ConanFile):
     name = "batten"
     version = "@VERSION@"
     license = "MIT"
+    homepage = "@HOMEPAGE@"
     description = "Turns coarse geometry into fair geometry: curves, motions, meshes and scans"
     package_type = "shared-library"
     settings = "os", "arch", "compiler", "build_type"

@@ -1,5 +1,6 @@
 class Batten < Formula
   desc "Turns coarse geometry into fair geometry: curves, motions, meshes, scans"
+  homepage "@HOMEPAGE@"
   url "@URL@"
   version "@VERSION@"
   sha256 "@SHA256@"

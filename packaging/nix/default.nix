@@ -18,6 +18,7 @@ stdenv.mkDerivation {
   postPatch = "patchShebangs cmake scripts";
   meta = {
     description = "Turns coarse geometry into fair geometry: curves, motions, meshes, scans";
+    homepage = "@HOMEPAGE@";
     license = lib.licenses.mit;
     mainProgram = "batten";
     platforms = lib.platforms.unix;

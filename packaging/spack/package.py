@@ -6,6 +6,7 @@ from spack.package import *
 class Batten(CMakePackage):
     """Turns coarse geometry into fair geometry: curves, motions, meshes and scans."""
 
+    homepage = "@HOMEPAGE@"
     url = "@URL@"
 
     license("MIT")
