@@ -14,6 +14,11 @@ set(link_options ${BATTEN_LINK_OPTIONS} ${openmp_options} -lm)
 string(REPLACE ";-l" ";" cmake_libraries ";${link_options}")
 list(PREPEND link_options ${BATTEN_MODULE_OPTIONS})
 list(JOIN link_options " " link_options)
+# Where there is no shared library, pkg-config gives them without --static.
+if(BATTEN_KIND STREQUAL static)
+  set(link_options_static " ${link_options}")
+  set(link_options)
+endif()
 
 # Paths in pkg-config files are relative to their own place, so that the installed tree can be moved.
 file(RELATIVE_PATH pkgconfig_to_prefix /prefix/${pkgconfig_folder} /prefix)
@@ -47,7 +52,7 @@ if(BATTEN_PROGRAM)
 endif()
 install(FILES ${BATTEN_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-foreach(kind shared static)
+foreach(kind ${BATTEN_KINDS})
   install(TARGETS batten_${kind} EXPORT batten-${kind} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT batten-${kind} FILE batten-${kind}.cmake NAMESPACE batten:: DESTINATION ${cmake_folder})
@@ -61,7 +66,7 @@ if(BATTEN_INSTALLS_RESEARCH)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/batten-research.pc.in ${PROJECT_BINARY_DIR}/batten-research.pc @ONLY)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/research/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${component}
           FILES_MATCHING PATTERN *.h)
-  foreach(kind shared static)
+  foreach(kind ${BATTEN_KINDS})
     install(TARGETS batten_research_${kind} EXPORT batten-research-${kind}
             LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ${component} NAMELINK_COMPONENT research
             ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} ${component})

@@ -1,5 +1,10 @@
-# The libraries that are installed: batten and batten-research, each shared and static. Each shows the functions of its own
-# public headers and nothing else.
+# The libraries that are installed: batten and batten-research, each shared and static; static alone where BUILD_SHARED_LIBS is
+# off. Each shows the functions of its own public headers and nothing else.
+set(BATTEN_KINDS shared static)
+if(DEFINED BUILD_SHARED_LIBS AND NOT BUILD_SHARED_LIBS)
+  set(BATTEN_KINDS static)
+endif()
+list(GET BATTEN_KINDS 0 BATTEN_KIND)
 
 # An interface may change with every minor version until 1.0, and with every major one from then on.
 if(PROJECT_VERSION_MAJOR EQUAL 0)
@@ -54,9 +59,8 @@ function(batten_shared_library target objects)
   endif()
 endfunction()
 
-batten_shared_library(batten_shared batten_objects)
-batten_static_library(batten_static batten_objects)
-foreach(kind shared static)
+foreach(kind ${BATTEN_KINDS})
+  cmake_language(CALL batten_${kind}_library batten_${kind} batten_objects)
   set_target_properties(batten_${kind} PROPERTIES OUTPUT_NAME batten EXPORT_NAME ${kind})
   target_include_directories(batten_${kind} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                              $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
@@ -64,7 +68,7 @@ foreach(kind shared static)
   target_link_libraries(batten_${kind} PRIVATE $<BUILD_INTERFACE:batten_settings>)
   add_library(batten::${kind} ALIAS batten_${kind})
 endforeach()
-add_library(batten::batten ALIAS batten_shared)
+add_library(batten::batten ALIAS batten_${BATTEN_KIND})
 target_link_libraries(batten_static INTERFACE $<INSTALL_INTERFACE:batten::static_dependencies>)
 
 # batten-research calls the public functions of batten, and hidden ones too. It carries a private copy of the objects with the
@@ -83,13 +87,15 @@ add_custom_command(
   COMMAND_EXPAND_LISTS VERBATIM)
 add_custom_target(batten_private DEPENDS ${private_archive})
 
-batten_shared_library(batten_research_shared batten_research_objects)
-target_link_libraries(batten_research_shared PUBLIC batten_shared PRIVATE ${private_archive})
-target_link_options(batten_research_shared PRIVATE -Wl,--exclude-libs,libbatten-private.a)
+if(shared IN_LIST BATTEN_KINDS)
+  batten_shared_library(batten_research_shared batten_research_objects)
+  target_link_libraries(batten_research_shared PUBLIC batten_shared PRIVATE ${private_archive})
+  target_link_options(batten_research_shared PRIVATE -Wl,--exclude-libs,libbatten-private.a)
+endif()
 batten_static_library(batten_research_static batten_research_objects ARCHIVE ${private_archive}
                       OPTIONS --wildcard "--localize-symbol=private_bat_*" "--localize-symbol=__odr_asan.*")
 target_link_libraries(batten_research_static PUBLIC batten_static)
-foreach(kind shared static)
+foreach(kind ${BATTEN_KINDS})
   add_dependencies(batten_research_${kind} batten_private)
   set_target_properties(batten_research_${kind} PROPERTIES OUTPUT_NAME batten-research EXPORT_NAME research_${kind})
   target_include_directories(batten_research_${kind} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/research/include>)
