@@ -40,7 +40,11 @@ static bat_status cloud_noise(const engine_call *call, engine_object *result, ba
 static json_t *verdict_json(const bat_surface_verdict *verdict)
 {
     static const char *const FAULTS[] = {"none", "misses points", "leaves points", "folds", "area"};
-    static const char *const DOUBTS[] = {"none", "planes", "outline", "rim", "gap", "stray", "area"};
+    static const char *const DOUBTS[] = {
+        [BAT_SURFACE_DOUBT_NONE] = "none", [BAT_SURFACE_DOUBT_PLANES] = "planes", [BAT_SURFACE_DOUBT_OUTLINE] = "outline",
+        [BAT_SURFACE_DOUBT_RIM] = "rim",   [BAT_SURFACE_DOUBT_GAP] = "gap",       [BAT_SURFACE_DOUBT_STRAY] = "stray",
+        [BAT_SURFACE_DOUBT_AREA] = "area", [BAT_SURFACE_DOUBT_FEW] = "few",
+    };
     json_t *json = json_object();
     engine_set(json, "fault", json_string(FAULTS[verdict->fault]));
     engine_set(json, "distance_from_surface", engine_number(verdict->distance_from_surface));

@@ -42,6 +42,7 @@ const DOUBTS = {
   gap: "a gap between points is closed",
   stray: "a point lies far off and bends it (see “Robust against outliers”)",
   area: "it is larger than what “Surface: trimmed patch” gives",
+  few: "by few points, which tell little between them",
 };
 /** The controls of options that lead out of failures. */
 const CONTROLS = { shell: "Surface: shell of any shape", trim: "Surface: trimmed patch", force: "Show it all the same" };

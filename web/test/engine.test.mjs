@@ -161,6 +161,14 @@ describe("equal to the native program", () => {
     assert.equal(decode(batten.bat_mesh_write_memory(fine, { format: "gltf" })), readFileSync(out, "utf8"));
   });
 
+  test("few points are a doubt", () => {
+    const points = Array.from({ length: 49 }, (_, k) => [(k % 7) / 6, Math.floor(k / 7) / 6, ((k % 7) * Math.floor(k / 7)) / 360]);
+    const text = points.map((point) => point.join(" ")).join("\n");
+    const surface = batten.bat_surface_reconstruct(batten.bat_cloud_read(Buffer.from(text), { format: "xyz" }), {});
+    assert.deepEqual([surface.verdict.right, surface.verdict.doubt], [true, "few"]);
+    surface.free();
+  });
+
   for (const [name, options, flags] of [
     ["as a rule", {}, []],
     ["by the network", { parameters: "learned", tolerance: 0.002 }, ["--parameterization", "learned", "--tolerance", "0.002"]],
