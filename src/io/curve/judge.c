@@ -348,7 +348,7 @@ static bool walk_curve(border_judge *judge, size_t dim, const bat_curve *given, 
         if (!points_equal(p, fine->points + at % fine->count * dim, dim))
             return false;
         while (++at < last && !points_equal(q, fine->points + at % fine->count * dim, dim))
-            hash += doubles_hash(fine->points + at % fine->count * dim, dim);
+            hash += judge != NULL ? doubles_hash(fine->points + at * dim, dim) : 0;
         if (at > last || !points_equal(q, fine->points + at % fine->count * dim, dim) ||
             (judge != NULL && !note_edge(judge, p, q, hash)))
             return false;

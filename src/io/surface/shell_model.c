@@ -162,6 +162,8 @@ static double measure_part(const step_model *model, uint32_t part, const double 
     *angle = 0;
     for (size_t f = 0; f < model->shell.face_count; f++)
     {
+        if (model->pieces[f] != part)
+            continue;
         const tensor_surface *patch = &model->patches[f];
         size_t row = knot_vector_functions(&patch->knots[0]), all = row * knot_vector_functions(&patch->knots[1]);
         const size_t corners[4] = {0, row - 1, all - 1, all - row};
@@ -170,7 +172,7 @@ static double measure_part(const step_model *model, uint32_t part, const double 
             vector3_subtract(patch->control + 3 * corners[c], place, to[c]);
         for (int c = 0; c < 4; c++)
             length[c] = vector3_length(to[c]);
-        for (int i = 1; i < 3 && model->pieces[f] == part; i++)
+        for (int i = 1; i < 3; i++)
         {
             const double *a = to[0], *b = to[i], *c = to[i + 1], product = vector3_determinant(a, b, c);
             volume += product / 6;
@@ -184,7 +186,7 @@ static double measure_part(const step_model *model, uint32_t part, const double 
 /// Find the closed parts that are turned inside out, and the smallest solid around each.
 static void find_voids(step_model *model)
 {
-    static const double HALF = 6.283185307179586; // solid angle
+    static const double HALF = ANGLE_TURN; // of all solid angles
     double angle;
     for (uint32_t p = 0, f = 0; p < model->piece_count; p++)
     {
