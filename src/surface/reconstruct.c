@@ -178,15 +178,7 @@ static bat_status use_chart(reconstruction *work, bat_error *error)
 static bat_status make_trimming(reconstruction *work, bat_error *error)
 {
     const spatial_order *order = &work->geometry.order;
-    size_t count = order->cloud.count;
-    bool fills = false;
-    // Neighbourhoods of 1 % are thick by noise, too, those of 10 % by layers.
-    bat_status status = diagnose_volume(order->cloud.points, &order->tree, count < 2000 ? 20 : count / 100, &fills, error);
-    if (status == BAT_OK && fills)
-        status = diagnose_volume(order->cloud.points, &order->tree, count / 10, &fills, error);
-    if (status == BAT_OK && fills)
-        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                           "the points fill a volume; a surface needs points on it alone");
+    bat_status status = diagnose_volume(order->cloud.points, &order->tree, error);
     if (status == BAT_OK)
         status =
             trimming_make(&work->geometry, work->options->fill_holes, work->options->close_gaps, &work->trimming, error);

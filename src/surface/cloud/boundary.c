@@ -75,11 +75,9 @@ static const double EDGE_SHARE = 0.02;
 static bat_status fail_without_loop(const alpha_boundary_cloud *cloud, loop_search *search, bat_error *error)
 {
     double count = (double)cloud->tree->count, edge = (double)cloud->outer_count;
-    bool fills;
-    bat_status status = diagnose_volume(cloud->points, cloud->tree,
-                                        cloud->tree->count < 2000 ? cloud->tree->count / 10 : 200, &fills, error);
-    if (status != BAT_OK || fills)
-        return status != BAT_OK ? status : no_loop(error, "the points fill a volume; a surface needs points on it alone");
+    bat_status status = diagnose_volume(cloud->points, cloud->tree, error);
+    if (status != BAT_OK)
+        return status;
     search->seems_closed = edge < fmax(EDGE_ROOTS * sqrt(count), EDGE_SHARE * count);
     if (search->seems_closed)
         return error_remedy(error,

@@ -109,10 +109,8 @@ bat_status cloud_find_boundary(bat_cloud *cloud, double scale, bat_progress prog
 
 /// Whether the points lie along a straight line.
 bat_status diagnose_line(const double *points, size_t count, bat_error *error);
-/// Whether most neighbourhoods of `wanted` points are about as thick as wide.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_t wanted, bool *fills, bat_error *error);
-
+/// Whether the points fill a volume: most neighbourhoods are about as thick as wide, small and large ones.
+bat_status diagnose_volume(const double *points, const nearest_tree *tree, bat_error *error);
 /// Whether the points lie on two parallel sheets that are closer than their points are: the heights of neighbours above a
 /// quadratic polynomial have two modes, which makes their kurtosis small.
 /// @param noise    standard deviation of these heights

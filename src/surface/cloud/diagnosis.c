@@ -36,7 +36,9 @@ bat_status diagnose_line(const double *points, size_t count, bat_error *error)
 
 // A volume
 
-bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_t wanted, bool *fills, bat_error *error)
+/// Whether most neighbourhoods of `wanted` points are about as thick as wide.
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status find_thick(const double *points, const nearest_tree *tree, size_t wanted, bool *found, bat_error *error)
 {
     static const size_t PLACES = 64;
     static const double MIN_THICK = 0.3; // The third variance of a ball is that of the second.
@@ -52,8 +54,22 @@ bat_status diagnose_volume(const double *points, const nearest_tree *tree, size_
         thick += plane.variance[2] > MIN_THICK * plane.variance[1];
     }
     neighbour_list_free(&near);
-    *fills = 2 * thick > made;
+    *found = 2 * thick > made;
     return status;
+}
+
+bat_status diagnose_volume(const double *points, const nearest_tree *tree, bat_error *error)
+{
+    // Neighbourhoods of 1 % are thick by noise, too, those of 10 % by layers.
+    const size_t sizes[2] = {tree->count < 2000 ? 20 : tree->count / 100, tree->count / 10};
+    bool fills = true;
+    bat_status status = BAT_OK;
+    for (size_t k = 0; k < 2 && status == BAT_OK && fills; k++)
+        status = find_thick(points, tree, sizes[k], &fills, error);
+    if (status != BAT_OK || !fills)
+        return status;
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                     "the points fill a volume; a surface needs points on it alone");
 }
 
 // Two sheets
