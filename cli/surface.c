@@ -313,11 +313,11 @@ static int draw_row(const surface_job *job, const bat_surface_picture_row *row)
 static int draw(const surface_job *job)
 {
     const bat_surface_result *result = &job->result;
-    char title[240];
+    char title[240], verdict[SURFACE_VERDICT_SIZE];
     const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
     (void)snprintf(title, sizeof title, "%s parameters, %zu functions: mean squared distance %.3g; verdict: %s",
                    bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), last->functions, last->mean_squared,
-                   surface_verdict(&result->verdict));
+                   surface_verdict(&result->verdict, verdict));
     return draw_row(job, &(bat_surface_picture_row){.title = title,
                                                     .cloud = &job->cloud,
                                                     .surface = &result->surface,

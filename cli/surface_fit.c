@@ -222,38 +222,23 @@ static void print_end(const surface_findings *findings)
                      place_of(findings->cloud, result->folds.first));
 }
 
-/// A fault or a doubt: its name in JSON, and the verdict.
-typedef struct verdict_row
+const char *surface_verdict(const bat_surface_verdict *verdict, char text[SURFACE_VERDICT_SIZE])
 {
-    const char *name, *text;
-} verdict_row;
-
-static const verdict_row FAULTS[] = {
-    [BAT_SURFACE_FAULT_NONE] = {"none", "right"},
-    [BAT_SURFACE_FAULT_MISSES_POINTS] = {"missed", "wrong: points are far from the surface"},
-    [BAT_SURFACE_FAULT_LEAVES_POINTS] = {"strays", "wrong: the surface is far from the points"},
-    [BAT_SURFACE_FAULT_FOLDS] = {"folds", "wrong: the surface stands across the points' tangent planes"},
-    [BAT_SURFACE_FAULT_AREA] = {"area", "wrong: the area is not that of the points"},
-};
-static const verdict_row DOUBTS[] = {
-    [BAT_SURFACE_DOUBT_NONE] = {"none", "right"},
-    [BAT_SURFACE_DOUBT_PLANES] = {"planes", "right, but it leaves the tangent planes of the points beside it"},
-    [BAT_SURFACE_DOUBT_OUTLINE] = {"outline", "right, but neighbours on its outline are far apart"},
-    [BAT_SURFACE_DOUBT_RIM] = {"rim", "right, but points are sparse at its outline, so that the shape may go on"},
-    [BAT_SURFACE_DOUBT_GAP] = {"gap", "right, but a gap between points is closed"},
-    [BAT_SURFACE_DOUBT_STRAY] = {"stray", "right, but a point lies far off and bends it (see --robust)"},
-    [BAT_SURFACE_DOUBT_AREA] = {"area", "right, but larger than what --trim gives"},
-    [BAT_SURFACE_DOUBT_FEW] = {"few", "right, but by few points, which tell little between them"},
-};
-
-const char *surface_verdict(const bat_surface_verdict *verdict)
-{
-    return verdict->fault == BAT_SURFACE_FAULT_NONE ? DOUBTS[verdict->doubt].text : FAULTS[verdict->fault].text;
+    if (verdict->fault != BAT_SURFACE_FAULT_NONE)
+        (void)snprintf(text, SURFACE_VERDICT_SIZE, "wrong: %s",
+                       bat_choices(&bat_surface_fault_family, verdict->fault)->summary);
+    else if (verdict->doubt != BAT_SURFACE_DOUBT_NONE)
+        (void)snprintf(text, SURFACE_VERDICT_SIZE, "right, but %s",
+                       bat_choices(&bat_surface_doubt_family, verdict->doubt)->summary);
+    else
+        (void)snprintf(text, SURFACE_VERDICT_SIZE, "right");
+    return text;
 }
 
 static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
 {
     const double *at = verdict->doubt_place;
+    char text[SURFACE_VERDICT_SIZE];
     return report_part(
         as_json,
         "verdict: {verdict}[doubted?, by up to {doubt_size:.3g}, near {x:.4g} {y:.4g} {z:.4g}]\n  99 % of the points within "
@@ -263,9 +248,10 @@ static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
         "-verdict:s -doubted:b doubt_size:n -x:n -y:n -z:n doubt:s doubt_place:o right:b fault:s distance_from_surface:n "
         "distance_from_points:n farthest:n far_share:n cross_share:n "
         "area:n cloud_area:n spacing:n",
-        surface_verdict(verdict), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE && isfinite(at[0])), verdict->doubt_size,
-        at[0], at[1], at[2], DOUBTS[verdict->doubt].name, report_numbers(at, 3),
-        (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), FAULTS[verdict->fault].name, verdict->distance_from_surface,
+        surface_verdict(verdict, text), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE && isfinite(at[0])),
+        verdict->doubt_size, at[0], at[1], at[2], bat_choice_name(&bat_surface_doubt_family, (int)verdict->doubt),
+        report_numbers(at, 3), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
+        bat_choice_name(&bat_surface_fault_family, (int)verdict->fault), verdict->distance_from_surface,
         verdict->distance_from_points, verdict->farthest, verdict->far_share, verdict->cross_share, verdict->area,
         verdict->cloud_area, verdict->spacing);
 }

@@ -179,8 +179,10 @@ typedef struct surface_findings
     const bat_mesh_notes *notes; ///< of reading; null for none
 } surface_findings;
 
-/// Whether a surface is right, or what is wrong, in a few words.
-const char *surface_verdict(const bat_surface_verdict *verdict);
+/// Characters of a verdict in words, its end included.
+#define SURFACE_VERDICT_SIZE 120
+/// The verdict in words, written into `text`: "right", "right, but ..." or "wrong: ...".
+const char *surface_verdict(const bat_surface_verdict *verdict, char text[SURFACE_VERDICT_SIZE]);
 /// Print the report and return null, or return it as an object, which is null where memory ran out.
 json_t *surface_report(const surface_findings *findings, bool as_json);
 

@@ -66,6 +66,9 @@ typedef enum bat_surface_fault
     BAT_SURFACE_FAULT_AREA           ///< its area is not that of the points
 } bat_surface_fault;
 
+/// The faults by name, in their order; a summary says what is wrong.
+extern BAT_API const bat_family bat_surface_fault_family;
+
 /// What a right surface may still have wrong, because its points say too little. See bat_surface_verdict::doubt_size.
 typedef enum bat_surface_doubt
 {
@@ -78,6 +81,9 @@ typedef enum bat_surface_doubt
     BAT_SURFACE_DOUBT_AREA,    ///< a trimmed surface of the points is smaller, by the area `doubt_size` squared; no place
     BAT_SURFACE_DOUBT_FEW      ///< the points are too few for a judgement; no size and no place
 } bat_surface_doubt;
+
+/// The doubts by name, in their order; a summary continues "right, but".
+extern BAT_API const bat_family bat_surface_doubt_family;
 
 /// A judgement of a surface by its cloud, both ways. Shares are shares of the surface's area.
 typedef struct bat_surface_verdict

@@ -5,6 +5,7 @@
 
 #include "surface/verdict.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
@@ -604,6 +605,27 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     memory_pool_free(&samples.pool);
     return status;
 }
+
+static const bat_choice FAULTS[] = {
+    CHOICE("none", "nothing is wrong", BAT_SURFACE_FAULT_NONE),
+    CHOICE("misses-points", "points are far from the surface", BAT_SURFACE_FAULT_MISSES_POINTS),
+    CHOICE("leaves-points", "the surface is far from the points", BAT_SURFACE_FAULT_LEAVES_POINTS),
+    CHOICE("folds", "the surface stands across the points' tangent planes", BAT_SURFACE_FAULT_FOLDS),
+    CHOICE("area", "the area is not that of the points", BAT_SURFACE_FAULT_AREA),
+};
+const bat_family bat_surface_fault_family = FAMILY("fault of a surface", FAULTS);
+
+static const bat_choice DOUBTS[] = {
+    CHOICE("none", "nothing is in doubt", BAT_SURFACE_DOUBT_NONE),
+    CHOICE("planes", "it leaves the tangent planes of the points beside it", BAT_SURFACE_DOUBT_PLANES),
+    CHOICE("outline", "neighbours on its outline are far apart", BAT_SURFACE_DOUBT_OUTLINE),
+    CHOICE("rim", "points are sparse at its outline, so that the shape may go on", BAT_SURFACE_DOUBT_RIM),
+    CHOICE("gap", "a gap between points is closed", BAT_SURFACE_DOUBT_GAP),
+    CHOICE("stray", "a point lies far off and bends it, which robust weights prevent", BAT_SURFACE_DOUBT_STRAY),
+    CHOICE("area", "it is larger than a trimmed surface of the points", BAT_SURFACE_DOUBT_AREA),
+    CHOICE("few", "by few points, which tell little between them", BAT_SURFACE_DOUBT_FEW),
+};
+const bat_family bat_surface_doubt_family = FAMILY("doubt of a surface", DOUBTS);
 
 static void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
 {

@@ -40,6 +40,11 @@ static void names_and_defaults(void **state)
     assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_COUNT), "unknown");
     assert_int_equal(bat_surface_reconstruct_defaults().parameters, BAT_SURFACE_PARAMETERS_AUTO);
     assert_int_equal(bat_surface_reconstruct_defaults().sides, BAT_CLOUD_SIDES_AUTO);
+    // Reports find the row of a fault or a doubt by its value.
+    for (int i = BAT_SURFACE_FAULT_NONE; i <= BAT_SURFACE_FAULT_AREA; i++)
+        assert_int_equal(bat_choices(&bat_surface_fault_family, (size_t)i)->value, i);
+    for (int i = BAT_SURFACE_DOUBT_NONE; i <= BAT_SURFACE_DOUBT_FEW; i++)
+        assert_int_equal(bat_choices(&bat_surface_doubt_family, (size_t)i)->value, i);
 }
 
 /// A Bézier surface with its true parameters lies in the coarsest space.

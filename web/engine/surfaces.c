@@ -39,14 +39,8 @@ static bat_status cloud_noise(const engine_call *call, engine_object *result, ba
 
 static json_t *verdict_json(const bat_surface_verdict *verdict)
 {
-    static const char *const FAULTS[] = {"none", "misses points", "leaves points", "folds", "area"};
-    static const char *const DOUBTS[] = {
-        [BAT_SURFACE_DOUBT_NONE] = "none", [BAT_SURFACE_DOUBT_PLANES] = "planes", [BAT_SURFACE_DOUBT_OUTLINE] = "outline",
-        [BAT_SURFACE_DOUBT_RIM] = "rim",   [BAT_SURFACE_DOUBT_GAP] = "gap",       [BAT_SURFACE_DOUBT_STRAY] = "stray",
-        [BAT_SURFACE_DOUBT_AREA] = "area", [BAT_SURFACE_DOUBT_FEW] = "few",
-    };
     json_t *json = json_object();
-    engine_set(json, "fault", json_string(FAULTS[verdict->fault]));
+    engine_set(json, "fault", json_string(bat_choice_name(&bat_surface_fault_family, (int)verdict->fault)));
     engine_set(json, "distance_from_surface", engine_number(verdict->distance_from_surface));
     engine_set(json, "distance_from_points", engine_number(verdict->distance_from_points));
     engine_set(json, "farthest", engine_number(verdict->farthest));
@@ -57,13 +51,15 @@ static json_t *verdict_json(const bat_surface_verdict *verdict)
     engine_set(json, "spacing", engine_number(verdict->spacing));
     engine_set(json, "off_planes", engine_number(verdict->off_planes));
     engine_set(json, "place", engine_numbers(verdict->place, 3));
-    engine_set(json, "doubt", json_string(DOUBTS[verdict->doubt]));
+    engine_set(json, "doubt", json_string(bat_choice_name(&bat_surface_doubt_family, (int)verdict->doubt)));
     engine_set(json, "doubt_size", engine_number(verdict->doubt_size));
     engine_set(json, "doubt_place", engine_numbers(verdict->doubt_place, 3));
     bat_error error;
     bool right = bat_surface_verdict_check(verdict, &error) == BAT_OK;
     engine_set(json, "right", json_boolean(right));
-    engine_set(json, "text", json_string(right ? "" : error.text));
+    const bool doubted = right && verdict->doubt != BAT_SURFACE_DOUBT_NONE;
+    const char *doubt = doubted ? bat_choices(&bat_surface_doubt_family, verdict->doubt)->summary : "";
+    engine_set(json, "text", json_string(right ? doubt : error.text));
     return json;
 }
 

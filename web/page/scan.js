@@ -34,16 +34,6 @@ const KINDS = [["auto", "found"], ["patch", "one patch"], ["trim", "trimmed patc
 const FORMATS = ["step", "iges", "obj", "json", "xml", "vtk"];
 const OF_SHELLS = ["step", "obj"];
 const FIRST = { example: "panel", data: 0, kind: "auto", parameters: "auto", tolerance: 0, robust: false, force: false, colour: false };
-/** What a right surface may still have wrong, by the names of doubts. */
-const DOUBTS = {
-  planes: "it leaves the tangent planes of the points beside it",
-  outline: "neighbours on its outline are far apart",
-  rim: "points are sparse at its outline, so that the shape may go on",
-  gap: "a gap between points is closed",
-  stray: "a point lies far off and bends it (see “Robust against outliers”)",
-  area: "it is larger than what “Surface: trimmed patch” gives",
-  few: "by few points, which tell little between them",
-};
 /** The controls of options that lead out of failures. */
 const CONTROLS = { shell: "Surface: shell of any shape", trim: "Surface: trimmed patch", force: "Show it all the same" };
 
@@ -89,12 +79,12 @@ export function scanTab(app, section) {
   function judge() {
     const { report: r, kind } = result;
     if (kind === "shell") return ["good", "Right: judged by the points, both ways."];
-    const { right, text: fault, doubt, doubt_size: size, doubt_place: place, ...v } = r.verdict;
-    if (!right) return ["bad", `Wrong: ${fault}`];
+    const { right, text, doubt_size: size, doubt_place: place, ...v } = r.verdict;
+    if (!right) return ["bad", `Wrong: ${text}`];
     const near = `99 of 100 points are within ${digits(v.distance_from_surface, 3)}, and 99 % of the surface is within ${digits(v.distance_from_points, 3)} of a point.`;
-    if (!DOUBTS[doubt]) return ["good", `Right: ${near}`];
+    if (!text) return ["good", `Right: ${near}`];
     const where = place.every(Number.isFinite) ? `, by up to ${digits(size, 3)}, near ${place.map((value) => digits(value, 4)).join(" ")}` : "";
-    return ["doubt", `Right, but ${DOUBTS[doubt]}${where}. ${near[0].toUpperCase()}${near.slice(1)}`];
+    return ["doubt", `Right, but ${text}${where}. ${near[0].toUpperCase()}${near.slice(1)}`];
   }
   /** Holes and closed gaps of a trimmed surface, each a row. */
   const gaps = ({ gaps: all = [] }) => all.map(({ closed, diameter }) => [closed ? "closed gap" : "hole", `${digits(diameter, 3)} across`]);
