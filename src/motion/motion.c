@@ -759,7 +759,7 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
     size_t used = strlen(error->text);
     int64_t origin = bat_curve_set_time_origin(set);
     if (origin != 0)
-        (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
+        (void)snprintf(error->text + used, sizeof error->text - used, " (times from %" PRId64 " on)", origin);
     return status;
 }
 

@@ -209,6 +209,21 @@ static void guess_bias(gyro_work *work)
     }
 }
 
+/// Whether the walk takes half of the turns between keys, beyond the rates' own noise, or the keys' noise more than all.
+static bool contradicts(const gyro_work *work, double walk)
+{
+    static const double MIN_SHARE = 0.25, MIN_NOISES = 3, MIN_TURN = 0.05; // of squares; of the own walk; in a step
+    double span = work->times[work->count - 1] - work->times[0], turns = 0, log[3];
+    bat_space rotation = bat_rotation();
+    for (size_t i = 1; i < work->count; i++)
+        if (rotation.log(&rotation, work->keys + 4 * (i - 1), work->keys + 4 * i, log) == BAT_OK)
+            turns += vector_square(3, log);
+    double square = 3 * work->noise * work->noise, walked = 3 * walk * walk;
+    return (walked * span > MIN_SHARE * turns && walk > MIN_NOISES * work->walk &&
+            walked * work->step > MIN_TURN * MIN_TURN) ||
+           (square * (double)work->count > turns && square > MIN_TURN * MIN_TURN);
+}
+
 /// What the bias is not known by, in a mean component: M less its smoothed level, between two keys.
 static double spread_of_bias(const gyro_work *work, size_t key, const double *levels[2], double share)
 {
@@ -345,6 +360,10 @@ bat_status gyro_fuse(const double *times, const double *keys, size_t count, cons
     }
     if (status == BAT_OK && !(found && isfinite(change)))
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the keys do not tell the bias of the gyroscope");
+    if (status == BAT_OK && contradicts(&work, work.noise * sqrt(work.ratio / work.step)))
+        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                           "the rates of the gyroscope contradict the turns of the keys: check the order, the signs and the "
+                           "unit of its axes, and its clock");
     if (status == BAT_OK)
     {
         smooth(&work);

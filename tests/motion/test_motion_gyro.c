@@ -183,6 +183,32 @@ static void bad_rates_are_refused(void **state)
     free(given);
 }
 
+/// Rates with two axes exchanged, with other signs or in degrees contradict the turns of the keys.
+static void contradictions_are_refused(void **state)
+{
+    (void)state;
+    bat_space rotation = bat_rotation();
+    for (int kind = 0; kind < 3; kind++)
+    {
+        recording *given = record(0.01, 0.02, 1);
+        bat_hermite_curve keys = {.space = &rotation, .points = given->rotations, .times = given->times, .count = KEYS};
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        bat_motion_spline *spline = NULL;
+        bat_error error;
+        for (double *r = given->rates; r < given->rates + 3 * RATES; r += 3)
+        {
+            const double x = r[0];
+            r[0] = kind == 0 ? r[1] : kind == 1 ? -x : 57.3 * x;
+            r[1] = kind == 0 ? x : kind == 1 ? -r[1] : 57.3 * r[1];
+            r[2] *= kind == 0 ? 1 : kind == 1 ? -1 : 57.3;
+        }
+        options.gyro = &given->gyro;
+        check_status(bat_motion_spline_make(&keys, &options, &spline, &error), BAT_NO_CONVERGENCE);
+        assert_non_null(strstr(error.text, "contradict"));
+        free(given);
+    }
+}
+
 static void place_at_time(double t, double *place, double *acceleration)
 {
     for (int c = 0; c < 3; c++)
@@ -313,6 +339,7 @@ int main(void)
         cmocka_unit_test(rates_and_keys_tell_more_than_either),
         cmocka_unit_test(exact_rates_leave_no_error),
         cmocka_unit_test(bad_rates_are_refused),
+        cmocka_unit_test(contradictions_are_refused),
         cmocka_unit_test(forces_tell_the_way_between_keys),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
