@@ -278,6 +278,9 @@ typedef struct noise_search
     double *distances; ///< count: of the measurements
     double *sorted;    ///< count
     double *uncertainties, *wander; ///< see spline_smooth()
+    bool mixes;                     ///< whether uncertainties are those of all weights: see mix_weights()
+    double *means;                  ///< count x n: mean residuals over the weights
+    double activity;                ///< mean variance of the acceleration over the weights
 } noise_search;
 
 /// The expected error of the motion for a weight of the penalty, up to constants. Infinite where there is no motion.
@@ -351,6 +354,53 @@ static bool measure_energy(noise_search *search)
     return true;
 }
 
+/// Add the fit for a weight, by a share, to the mean residuals and to `uncertainties`, the mean squares with variances.
+static void mix(noise_search *search, double share, double variance, double activity)
+{
+    const smoother *s = &search->s;
+    size_t n = s->fit.dim;
+    search->activity += share * (activity - search->activity);
+    for (size_t i = 0; i < s->count * n; i++)
+    {
+        size_t key = i / n, at = key * s->n + s->first + i % n;
+        double r = s->fit.residuals[i], square = r * r + variance * s->influence[key] * s->fit.slacks[key];
+        search->means[at] += share * (r - search->means[at]);
+        search->uncertainties[at] += share * (square - search->uncertainties[at]);
+    }
+}
+
+/// What an unknown noise leaves open: all weights from the best one on count by their restricted likelihood and by a prior
+/// against motions that follow the noise, the share of freedom.
+static void mix_weights(noise_search *search)
+{
+    static const double UNLIKELY = 12;
+    smoother *s = &search->s;
+    const size_t n = s->fit.dim;
+    double numbers = (double)((s->count - 2) * n), best = -INFINITY, total = 0, middle = search->weight;
+    for (int side = 0; side < 2; side++)
+    {
+        const double factor = side == 0 ? sqrt(FACTOR) : 1 / sqrt(FACTOR);
+        for (double weight = side == 0 ? middle : middle * factor; weight >= FIRST_WEIGHT && weight < LAST_WEIGHT;
+             weight *= factor)
+        {
+            if (smoother_fit(s, weight, NEAR, NULL) != BAT_OK)
+            {
+                memcpy(s->points, s->given, s->count * s->dim * sizeof *s->given);
+                break;
+            }
+            double determinant = smooth_fit_factor(&s->fit, weight), sum = fmax(smooth_fit_bend(&s->fit), DBL_MIN);
+            double left = fmax(1 - smoother_influence(s, weight) / (double)s->count, DBL_MIN);
+            double likely = log(left) - (numbers * log(sum) + (double)n * determinant) / 2;
+            double share = exp(fmin(likely - best, 0));
+            total = total * exp(fmin(best - likely, 0)) + share;
+            best = fmax(best, likely);
+            mix(search, share / total, weight * sum / numbers, sum / numbers);
+            if (likely < best - UNLIKELY)
+                break;
+        }
+    }
+}
+
 /// Find the weight of the penalty, and how the activity changes along the motion, and move the points there.
 static bat_status find_weight(noise_search *search, bat_error *error)
 {
@@ -381,6 +431,8 @@ static bat_status find_weight(noise_search *search, bat_error *error)
         refine(search, middle / AROUND, middle * AROUND, POWERS[i]);
     }
     set_activity(search, search->power);
+    if (search->mixes)
+        mix_weights(search);
     bat_status status = smoother_fit(&search->s, search->weight, SETTLED, error);
     search->freedom = (double)search->s.count - smoother_influence(&search->s, search->weight);
     return status;
@@ -455,9 +507,13 @@ static bat_status fit_all(noise_search *search, double *sigma, bat_error *error)
         for (size_t i = 0; i < s->count && status == BAT_OK; i++)
             for (size_t k = s->first; k < s->first + together; k++)
             {
-                double span = s->fit.steps[i] / 2;
-                search->uncertainties[i * s->n + k] = sqrt(fmax(variance * s->influence[i] * s->fit.slacks[i], 0));
-                search->wander[i * s->n + k] = variance / search->weight * s->fit.variances[i] * span * span * span / 24;
+                double span = s->fit.steps[i] / 2, *square = search->uncertainties + i * s->n + k;
+                double r = s->fit.residuals[i * together + k - s->first];
+                *square = search->mixes ? *square + r * (r - 2 * search->means[i * s->n + k])
+                                        : variance * s->influence[i] * s->fit.slacks[i];
+                *square = sqrt(fmax(*square, 0));
+                search->wander[i * s->n + k] = (search->mixes ? search->activity : variance / search->weight) *
+                                               s->fit.variances[i] * span * span * span / 24;
             }
     }
     *sigma = sqrt(total);
@@ -471,6 +527,7 @@ static bat_status smooth(noise_search *search, bat_motion_outliers rule, double 
     static const double FAR = 2.5, LEAST_SHARE = 0.1;
     double known = *sigma;
     search->cut = INFINITY;
+    search->mixes = rule == BAT_MOTION_OUTLIERS_NONE && known == 0;
     if (rule == BAT_MOTION_OUTLIERS_NONE)
         return fit_all(search, sigma, error);
     bat_status status = BAT_OK;
@@ -482,6 +539,7 @@ static bat_status smooth(noise_search *search, bat_motion_outliers rule, double 
         scale = scale > 0 ? scale : search->s.scale;
         weigh(search, 2 * round >= ROUNDS ? rule : BAT_MOTION_OUTLIERS_HUBER, scale);
         search->cut = FAR * FAR * scale * scale / (double)search->s.n;
+        search->mixes = round + 1 == ROUNDS && known == 0;
         status = fit_all(search, &found, error);
         measure_motion(search);
         *sigma = scale;
@@ -504,6 +562,7 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
     search.energy = memory_pool_array(&s->pool, count, sizeof(double));
     search.distances = memory_pool_array(&s->pool, count, sizeof(double));
     search.sorted = memory_pool_array(&s->pool, count, sizeof(double));
+    search.means = memory_pool_zeros(&s->pool, count, f->space.tangent_dim * sizeof(double));
     if (status == BAT_OK)
         status = memory_pool_check(&s->pool, error);
     double noise = fmax(*sigma, 0);
