@@ -105,12 +105,16 @@ class Motion:
         if closed and _returns(self.space, keys):
             period = period or moments[-1] - moments[0]
             keys, moments, given = keys[:-1], moments[:-1], given if given is None else given[:-1]
+        self._drift, self._begin = np.zeros(keys.shape[1]), moments[0] if len(moments) else 0.0
         if wrap:
             keys = _unwrapped(self.space, keys, wrap)
-            if closed and (abs(keys[-1] - keys[0]) > wrap / 2).any():
-                raise ValueError("wrap: angles that turn by a whole round in a period are no closed motion of R^n")
         if closed and not period > moments[-1] - moments[0]:
             raise ValueError(f"period: a closed motion needs one above {moments[-1] - moments[0]}, not {period}")
+        if wrap and closed:
+            # Whole rounds in a period are a drift, beside which the angles return.
+            self._drift = wrap * np.round((keys[-1] - keys[0]) / wrap) / period
+            keys = keys - self._drifted(moments)
+            given = given if given is None else given - self._drift
         self._frames = Frames.of(self.space, keys) if self.space.functions and not _POINTWISE & set(settings) else None
         lying = given
         if self._frames is not None and given is not None:
@@ -163,6 +167,9 @@ class Motion:
             given = given / np.timedelta64(1, "s")
         return array(given, "times", None)
 
+    def _drifted(self, moments: Floats) -> Floats:
+        return self._drift * (moments[..., None] - self._begin)  # type: ignore[no-any-return]
+
     def _at(self, times: Times, which: int) -> Floats:
         moments = self._seconds(times)
         widths = [self.space.point_dim, self._inside.tangent_dim, self._inside.tangent_dim]
@@ -172,11 +179,13 @@ class Motion:
         if which and self._frames is not None:
             rows = self._frames.vectors(made[0].reshape(-1, widths[0]), made[which].reshape(-1, widths[1]))
             return rows.reshape(*moments.shape, self.space.tangent_dim)
+        if self._drift.any() and which < 2:
+            made[which] += self._drift if which else self._drifted(moments)
         return made[which]
 
     def __call__(self, times: Times) -> Any:
         """The poses at times, in the form of those that the motion was made of."""
-        if isinstance(times, float):  # without what arrays cost
+        if isinstance(times, float) and not self._turn:  # without what arrays cost
             pose, is_rotation = np.empty(self.space.point_dim), self._form == "Rotation"
             call(lib.batten_pose, self._spline, times, is_rotation, pointer(pose))
             return _rotation(pose) if is_rotation else self._formed(pose)
@@ -268,7 +277,7 @@ class Motion:
     @property
     def keys(self) -> Any:
         """The poses at the times: those given, or smoothed ones."""
-        return self._formed(self._key_rows(lib.bat_motion_spline_keys(self._spline).points, self.space.point_dim))
+        return self._formed(self._key_rows(lib.bat_motion_spline_keys(self._spline).points, self.space.point_dim) + self._drifted(self.times))
 
     @property
     def deviations(self) -> Floats:

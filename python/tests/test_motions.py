@@ -246,8 +246,10 @@ def test_angles_go_the_shorter_way():
     for settings in (dict(space="rotation", wrap=360), dict(wrap=-1)):
         with pytest.raises(ValueError, match="wrap"):
             batten.Motion([0, 1], [[1.0, 0, 0, 0], [0.8, 0.6, 0, 0]], **settings)
-    with pytest.raises(ValueError, match="wrap"):
-        batten.Motion([0, 1, 2, 3, 4], [[0.0], [90], [180], [270], [0]], wrap=360, closed=True)
+    round_trip = batten.Motion([0, 1, 2, 3, 4], [[0.0], [100], [180], [270], [0]], wrap=360, closed=True)
+    np.testing.assert_allclose(round_trip([0, 1, 4, 5.0])[:, 0], [0, 100, 0, 100], atol=1e-9)
+    np.testing.assert_allclose(round_trip.velocity(np.linspace(0, 4, 401))[:-1].mean(), 90, rtol=1e-3)
+    np.testing.assert_allclose(round_trip.keys[:, 0], [0, 100, 180, 270], atol=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["rows", "single", "inner", "unprojected"])

@@ -47,6 +47,7 @@ static const point_form FORMS[] = {
     {"disk", NAMES("x", "y"), PLANE_SPEEDS, 2, 2, ROTATION_NONE, 0, false},
     {"sphere", NAMES("x", "y", "z"), SPEEDS, 3, 3, ROTATION_NONE, 0, false},
     {"euclidean", NAMES("x", "y", "z"), SPEEDS, 3, 3, ROTATION_NONE, 0, false},
+    {"euclidean", NAMES("x"), NAMES("vx"), 1, 1, ROTATION_NONE, 0, false},
 };
 static const int FORM_COUNT = sizeof FORMS / sizeof FORMS[0];
 

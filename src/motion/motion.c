@@ -208,15 +208,39 @@ static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const
     return BAT_OK;
 }
 
-/// Let angles go the shorter way from key to key.
-static bat_status unwrap(double turn, bat_hermite_curve *keys, bat_error *error)
+/// Let angles go the shorter way from key to key. Those that make whole rounds in a period lose their mean velocity, the
+/// drift, after which they return: a spline of the rest and the drift together is that of the angles.
+/// @param drift receives point_dim numbers
+static bat_status unwrap(double turn, bat_hermite_curve *keys, double *drift, bat_error *error)
 {
     size_t n = keys->space->point_dim;
+    memset(drift, 0, n * sizeof *drift);
     if (turn > 0 && !space_is_euclidean(keys->space))
         return error_option(error, "wrap", "is for numbers, not for the space %s", keys->space->name);
     for (size_t i = n; turn > 0 && i < keys->count * n; i++)
         keys->points[i] -= turn * round((keys->points[i] - keys->points[i - n]) / turn);
+    const double *last = keys->points + (keys->count - 1) * n;
+    for (size_t c = 0; turn > 0 && keys->closed && keys->times != NULL && c < n; c++)
+        drift[c] = turn * round((last[c] - keys->points[c]) / turn) /
+                   (keys->times[keys->count - 1] - keys->times[0] + keys->closing_time);
     return BAT_OK;
+}
+
+static bool has_drift(const bat_space *space, const double *drift)
+{
+    return vector_square(space->point_dim, drift) > 0;
+}
+
+/// Add the drift from a time on, with a sign, to points and to velocities where there are some.
+static void add_drift(bat_hermite_curve *curve, const double *drift, double begin, double sign)
+{
+    size_t n = curve->space->point_dim;
+    for (size_t i = 0; has_drift(curve->space, drift) && i < curve->count * n; i++)
+    {
+        curve->points[i] += sign * drift[i % n] * (curve->times[i / n] - begin);
+        if (curve->tangents != NULL)
+            curve->tangents[i] += sign * drift[i % n];
+    }
 }
 
 /// Bring angles back into the range of the given ones.
@@ -263,7 +287,7 @@ static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_
 }
 
 static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
-                            const motion_channels *channels, bat_hermite_curve *keys, bat_error *error)
+                            const motion_channels *channels, bat_hermite_curve *keys, double *drift, bat_error *error)
 {
     const bat_curve *from = &set->curves[curve];
     bat_motion_method method = bat_motion_method_for(set, options);
@@ -274,9 +298,15 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     if (status == BAT_OK)
         status = hermite_check_counts(keys, error);
     if (status == BAT_OK)
-        status = unwrap(options->wrap, keys, error);
+        status = unwrap(options->wrap, keys, drift, error);
+    if (status == BAT_OK && !splined && has_drift(from->space, drift))
+        status = error_option(error, "wrap", "turns by whole rounds in a period, which needs splines without an order");
+    if (!given)
+        memset(keys->tangents, 0, keys->count * from->space->tangent_dim * sizeof *keys->tangents);
     if (status == BAT_OK && given)
         status = take_velocities(from, form_of(set), channels, keys, error);
+    if (status == BAT_OK && keys->times != NULL)
+        add_drift(keys, drift, keys->times[0], -1);
     if (status == BAT_OK)
         status = check_neighbours(set, curve, keys, splined, given, method == BAT_MOTION_METHOD_HERMITE, error);
     keys->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
@@ -330,7 +360,8 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].channel_count != known)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "motions have points, times and velocities; other columns, here %zu, have no place",
+                             "motions have points, times and velocities; other columns, here %zu, have no place: a "
+                             "table of times and points is read (batten curve IN -o TABLE.csv --levels 0 writes one)",
                              set->curves[i].channel_count - known);
     bool closed = options->period == 0;
     for (size_t i = 0; i < set->count; i++)
@@ -364,7 +395,7 @@ static bat_status tell_line(const bat_curve_set *set, size_t curve, bat_status s
 
 /// bat_motion_data(), but with null tangents where a spline is to find velocities.
 static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
-                            bat_hermite_curve *keys, bat_error *error)
+                            bat_hermite_curve *keys, double drift[BAT_SPACE_MAX_DIM], bat_error *error)
 {
     const bat_curve *from = &set->curves[curve];
     bat_hermite_curve made = {.space = from->space, .count = from->count, .closed = from->closed};
@@ -377,7 +408,7 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
     if (status == BAT_OK)
         status = hermite_allocate(&made, timed, &fault);
     if (status == BAT_OK)
-        status = fill_data(set, curve, options, &channels, &made, &fault);
+        status = fill_data(set, curve, options, &channels, &made, drift, &fault);
     if (status == BAT_OK)
         *keys = made;
     else
@@ -410,8 +441,9 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
     bat_motion_curves_options defaults = bat_motion_curves_defaults();
     bat_motion_spline *spline;
     bat_hermite_curve made;
+    double drift[BAT_SPACE_MAX_DIM];
     options = options != NULL ? options : &defaults;
-    bat_status status = take_data(set, curve, options, &made, error);
+    bat_status status = take_data(set, curve, options, &made, drift, error);
     if (status == BAT_OK && made.tangents == NULL)
     {
         status = make_spline(set, curve, options, &made, &spline, error);
@@ -429,7 +461,11 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
             bat_hermite_free(&made);
     }
     if (status == BAT_OK)
+    {
+        if (made.times != NULL)
+            add_drift(&made, drift, made.times[0], 1);
         *keys = made;
+    }
     return status;
 }
 
@@ -438,13 +474,15 @@ bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const
 {
     bat_motion_curves_options defaults = bat_motion_curves_defaults();
     bat_hermite_curve keys;
+    double drift[BAT_SPACE_MAX_DIM];
     options = options != NULL ? options : &defaults;
     if (bat_motion_method_for(set, options) != BAT_MOTION_METHOD_SPLINE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the points get a Hermite scheme, not a spline");
-    bat_status status = take_data(set, curve, options, &keys, error);
+    bat_status status = take_data(set, curve, options, &keys, drift, error);
     if (status != BAT_OK)
         return status;
-    status = make_spline(set, curve, options, &keys, spline, error);
+    status = has_drift(keys.space, drift) ? error_option(error, "wrap", "turns by whole rounds in a period")
+                                          : make_spline(set, curve, options, &keys, spline, error);
     bat_hermite_free(&keys);
     return status;
 }
@@ -652,7 +690,7 @@ static void add_peaks(const bat_hermite_curve *samples, const double *accelerati
     }
 }
 
-static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermite_curve *keys,
+static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermite_curve *keys, const double *drift,
                                 const bat_motion_curves_options *options, bat_hermite_curve *smooth, bat_error *error)
 {
     const bat_space *space = keys->space;
@@ -675,6 +713,8 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     }
     status = bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, accelerations,
                                       error);
+    if (status == BAT_OK)
+        add_drift(smooth, drift, keys->times[0], 1);
     if (report != NULL && status == BAT_OK)
     {
         add_peaks(smooth, accelerations, report);
@@ -733,13 +773,13 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
 }
 
 static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_curves_options *options,
-                                   const bat_hermite_curve *keys, result_columns *columns, bat_hermite_curve *smooth,
-                                   bat_error *error)
+                                   const bat_hermite_curve *keys, const double *drift, result_columns *columns,
+                                   bat_hermite_curve *smooth, bat_error *error)
 {
     bat_motion_spline *spline = NULL;
     bat_status status = make_spline(set, index, options, keys, &spline, error);
     if (status == BAT_OK)
-        status = sample_spline(spline, keys, options, smooth, error);
+        status = sample_spline(spline, keys, drift, options, smooth, error);
     if (status == BAT_OK && options->uncertainty)
     {
         columns->deviations = memory_array(smooth->count, set->space->tangent_dim * sizeof(double));
@@ -768,11 +808,12 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
 {
     bat_hermite_curve keys, smooth = {.space = set->space};
     bool splined = bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
-    bat_status status = take_data(set, index, options, &keys, error);
+    double drift[BAT_SPACE_MAX_DIM];
+    bat_status status = take_data(set, index, options, &keys, drift, error);
     if (status != BAT_OK)
         return status;
     if (splined)
-        status = smooth_by_spline(set, index, options, &keys, columns, &smooth, error);
+        status = smooth_by_spline(set, index, options, &keys, drift, columns, &smooth, error);
     else
         status = bat_hermite_refine(&keys, &options->scheme, &smooth, error);
     if (status == BAT_OK && !splined)

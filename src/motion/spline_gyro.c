@@ -246,7 +246,7 @@ static double spread_of_bias(const gyro_work *work, size_t key, const double *le
 static void smooth(gyro_work *work)
 {
     gyro_fusion *fused = work->fused;
-    double later[COLUMNS], spread = 0;
+    double later[COLUMNS] = {0}, spread = 0;
     for (size_t i = work->count; i-- > 0;)
     {
         double *level = work->levels + COLUMNS * i, variance = work->variances[i], between = 0, shared = 0;

@@ -469,8 +469,8 @@ static void other_columns_are_left_out(void **state)
     assert_int_equal(set.curves[0].count, 3);
     assert_int_equal(set.curves[0].channel_count, 1);
     assert_true(set.curves[0].points[2] == 2 && set.curves[0].points[3] == 3 && set.curves[0].points[5] == 4);
-    assert_true(is_told(&set, "3 columns are no part of a motion"));
-    assert_true(is_told(&set, "1 row has the time of the row before and left out, the first on line 4"));
+    assert_true(is_told(&set, "left out 3 columns that are no part of a motion"));
+    assert_true(is_told(&set, "left out 1 row that has the time of the row before, the first on line 4"));
     char *written = must_write(&set, BAT_CURVE_FORMAT_CSV);
     assert_string_equal(written, "time,x,y\n0,1,2\n1,2,3\n2,3,4\n");
     free(written);
@@ -534,6 +534,54 @@ static void angles_go_the_shorter_way(void **state)
     }
 }
 
+/// A heading that turns once in a period goes on in its sense, and its velocity has a mean of a round.
+static void headings_may_turn_in_a_period(void **state)
+{
+    (void)state;
+    bat_motion_report report;
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.scheme.levels = 2;
+    options.wrap = 360;
+    options.report = &report;
+    bat_curve_set set = must_read_motion("# closed\ntime,yaw\n0,10\n1,100\n2,190\n3,280\n", BAT_TIME_UNIT_AUTO), fine;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, NULL), BAT_OK);
+    assert_int_equal(fine.curves[0].count, 16);
+    for (size_t i = 0; i < 16; i++)
+        assert_true(fabs(fine.curves[0].points[i] - fmod(10 + 22.5 * (double)i, 360)) < 1e-9);
+    assert_true(fabs(report.peaks[0][0] - 90) < 1e-9);
+    bat_motion_spline *spline;
+    assert_int_equal(bat_motion_curve_spline(&set, 0, &options, &spline, NULL), BAT_INVALID_ARGUMENT);
+    bat_curve_set_free(&fine);
+    bat_curve_set_free(&set);
+}
+
+/// Tensors that are nearly singular are told.
+static void flat_tensors_are_told(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read_motion("time,xx,xy,yy\n0,1,0,1\n1,1,0,1e-14\n2,2,1,2\n", BAT_TIME_UNIT_AUTO);
+    assert_true(is_told(&set, "1 tensor is nearly singular, the first at point 1"));
+    bat_curve_set_free(&set);
+    set = must_read_motion("time,xx,xy,xz,yy,yz,zz\n0,1,0,0,1,0,1\n1,2,1,0,2,0,1e-3\n", BAT_TIME_UNIT_AUTO);
+    assert_false(is_told(&set, "nearly singular"));
+    bat_curve_set_free(&set);
+}
+
+/// A number may have a velocity, beside it in the file or asked for.
+static void numbers_have_velocities(void **state)
+{
+    (void)state;
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.scheme.levels = 1;
+    options.velocities = true;
+    bat_curve_set set = must_read_motion("time,x,vx\n0,0,1\n1,1,1\n2,0,-3\n3,0,1\n", BAT_TIME_UNIT_AUTO), fine;
+    assert_int_equal(set.space->point_dim, 1);
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, NULL), BAT_OK);
+    assert_true(fine.curves[0].channel_count == 2 && fabs(fine.curves[0].channels[2 * 4 + 1] + 3) < 1e-12);
+    bat_curve_set_free(&fine);
+    bat_curve_set_free(&set);
+}
+
 /// Poses may have velocities of the translation alone, which then hold, and the rotation is that without any.
 static void one_part_may_have_velocities(void **state)
 {
@@ -590,6 +638,9 @@ int main(void)
         cmocka_unit_test(a_repeated_point_ends_the_period),
         cmocka_unit_test(one_part_may_have_velocities),
         cmocka_unit_test(angles_go_the_shorter_way),
+        cmocka_unit_test(headings_may_turn_in_a_period),
+        cmocka_unit_test(numbers_have_velocities),
+        cmocka_unit_test(flat_tensors_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -74,6 +74,9 @@ void csv_columns_choose(const csv_columns *columns, const char *space, bool moti
     }
     else if (two && named.count >= 2)
         choice->count = 2;
+    else if (motion && named.count == 0 && (space == NULL || flat) && column_find(&names, "vx") != BAT_NO_INDEX &&
+             column_find(&names, "x") != BAT_NO_INDEX)
+        choice->columns[choice->count++] = column_find(&names, "x"); // a number and its velocity
     else if (named.geographic || named.count == 0 || (sphere && named.count < 3) || !(space == NULL || sphere || flat))
         choose_places(columns, two ? 2 : SIZE_MAX, motion ? 1 : 2, choice);
     if (choice->space == NULL)

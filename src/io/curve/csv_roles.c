@@ -350,7 +350,7 @@ static void keep_columns(const csv_reader *reader, const column_names *names, bo
     for (size_t i = 0; form == NULL && i < named.count; i++)
         kept[named.columns[i]] = true;
     if (form == NULL && !named.geographic)
-        form = named.count == 2 ? point_form_first("plane", 2) : named.count == 3 ? point_form_first("euclidean", 3) : NULL;
+        form = point_form_first(named.count == 2 ? "plane" : "euclidean", named.count);
     for (size_t i = 0; form != NULL && form->strict && i < form->count; i++)
         kept[column_find(names, form->names[i])] = true;
     size_t found[MAX_VELOCITIES], speeds = form != NULL ? point_form_find_velocities(form, names, found) : 0;
@@ -702,22 +702,45 @@ static bool note_group(csv_reader *reader)
     return true;
 }
 
+/// Count tensors whose determinant is rounding beside that of a ball of their trace.
+static bool note_flat_tensors(csv_reader *reader)
+{
+    static const double MIN_ROUND = 1e-12;
+    const curve_builder *made = &reader->builder;
+    size_t flat = 0, first = 0, dim = made->space.point_dim;
+    for (size_t c = 0; c < made->curve_count && strcmp(made->space.name, "spd") == 0; c++)
+        for (size_t i = 0; i < made->curves[c].count && (dim == 3 || dim == 6); i++)
+        {
+            const double *t = made->curves[c].points + i * dim; // xx, xy, yy or xx, xy, xz, yy, yz, zz
+            double mean = dim == 3 ? (t[0] + t[2]) / 2 : (t[0] + t[3] + t[5]) / 3;
+            double plane = dim == 3 ? t[0] * t[2] - t[1] * t[1]
+                                    : t[0] * (t[3] * t[5] - t[4] * t[4]) - t[1] * (t[1] * t[5] - t[4] * t[2]) +
+                                          t[2] * (t[1] * t[4] - t[3] * t[2]);
+            if (plane < MIN_ROUND * pow(mean, dim == 3 ? 2 : 3) && flat++ == 0)
+                first = i;
+        }
+    return flat == 0 ||
+           attributes_note(reader->attributes,
+                           "%zu tensor%s nearly singular, the first at point %zu: motions beside %s are uncertain", flat,
+                           flat > 1 ? "s are" : " is", first, flat > 1 ? "them" : "it");
+}
+
 bool csv_note_columns(csv_reader *reader)
 {
     char text[160];
     int decimals = reader->attributes->time_decimals;
     bool good = note_coordinates(reader);
     if (good && reader->left_count > 0)
-        good = attributes_note(reader->attributes, "%zu column%s no part of a motion and left out, the first '%s'",
-                               reader->left_count, reader->left_count > 1 ? "s are" : " is", reader->left_name);
+        good = attributes_note(reader->attributes, "left out %zu column%s no part of a motion, the first '%s'",
+                               reader->left_count, reader->left_count > 1 ? "s that are" : " that is", reader->left_name);
     if (good && reader->drop_short)
         good = attributes_note(reader->attributes,
                                "left out %zu curve%s with too few different points, the first ends on line %zu",
                                reader->short_count, reader->short_count > 1 ? "s" : "", reader->first_short);
     if (good && reader->left_rows > 0)
         good =
-            attributes_note(reader->attributes, "%zu row%s the time of the row before and left out, the first on line %zu",
-                            reader->left_rows, reader->left_rows > 1 ? "s have" : " has", reader->first_left_row);
+            attributes_note(reader->attributes, "left out %zu row%s the time of the row before, the first on line %zu",
+                            reader->left_rows, reader->left_rows > 1 ? "s that have" : " that has", reader->first_left_row);
     if (good && decimals > 0)
         good = attributes_note(reader->attributes, "times in %s%s; rates and velocities count seconds",
                                exact_time_unit(decimals), reader->time_by_size ? ", by their size" : "");
@@ -740,6 +763,7 @@ bool csv_note_columns(csv_reader *reader)
             good = attributes_note(reader->attributes, "column %s has %zu empty cells, the first on line %zu",
                                    csv_column_label(reader, i, label), state->gaps, state->first_gap);
     }
+    good = good && note_flat_tensors(reader);
     if (good && reader->comma)
         good = attributes_note(reader->attributes, "decimal commas were read as points");
     return good && note_group(reader);

@@ -106,8 +106,8 @@ static void note_table(pose_translation *work, const pose_header *names)
     if (work->columns[SECONDS] != BAT_NO_INDEX)
         pose_note(work, "times in seconds and nanoseconds are seconds, with all of their digits");
     if (names->others > 0)
-        pose_note(work, "%zu column%s no part of a pose and left out%s%.40s", names->others,
-                  names->others > 1 ? "s are" : " is", names->other[0] != '\0' ? ", as " : "", names->other);
+        pose_note(work, "left out %zu column%s no part of a pose%s%.40s", names->others,
+                  names->others > 1 ? "s that are" : " that is", names->other[0] != '\0' ? ", as " : "", names->other);
 }
 
 /// Append the quaternion of three angles: turns about the body's axes in the order of the letters.
