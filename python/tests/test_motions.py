@@ -205,7 +205,7 @@ def test_files_are_read_as_the_program_reads_them(tmp_path):
         batten.Motion.read(long)
     assert batten.Motion.read(long, project=True)(2.0) == pytest.approx([1, 0, 0, 1, 0, 0, 0])
     twice = written("twice.tum", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 2 0 1 0 0 0 1\n")
-    with pytest.warns(batten.BattenWarning, match="twice.tum: 1 row has the time of the row before"):
+    with pytest.warns(batten.BattenWarning, match="twice.tum: left out 1 row that has the time of the row before"):
         assert len(batten.Motion.read(twice).times) == 3
     more = written("more.csv", "time,x,y,temperature\n0,0,0,20\n1,1,0,21\n2,1,1,22\n")
     with pytest.warns(batten.BattenWarning, match="temperature"):

@@ -354,12 +354,22 @@ static bool measure_energy(noise_search *search)
     return true;
 }
 
-/// Add the fit for a weight, by a share, to the mean residuals and to `uncertainties`, the mean squares with variances.
-static void mix(noise_search *search, double share, double variance, double activity)
+/// The noise of the component or components that were fitted, squared: given, or that of the residuals.
+static double variance_of(const noise_search *search)
 {
     const smoother *s = &search->s;
-    size_t n = s->fit.dim;
-    search->activity += share * (activity - search->activity);
+    double n = (double)s->fit.dim, degrees = fmax(search->all - ((double)s->count - search->freedom), 1) * n;
+    return search->sigma > 0 ? search->sigma * search->sigma : smoother_squares(s, search->cut * n) / degrees;
+}
+
+/// Add the fit for a weight, by a share, to the mean residuals and to `uncertainties`, the mean squares with variances.
+/// @param likely the noise by the restricted likelihood, squared; that of the residuals alone is often too small
+static void mix(noise_search *search, double share, double weight, double likely)
+{
+    const smoother *s = &search->s;
+    const size_t n = s->fit.dim;
+    const double variance = sqrt(variance_of(search) * likely);
+    search->activity += share * (variance / weight - search->activity);
     for (size_t i = 0; i < s->count * n; i++)
     {
         size_t key = i / n, at = key * s->n + s->first + i % n;
@@ -369,35 +379,28 @@ static void mix(noise_search *search, double share, double variance, double acti
     }
 }
 
-/// What an unknown noise leaves open: all weights from the best one on count by their restricted likelihood and by a prior
-/// against motions that follow the noise, the share of freedom.
+/// What an unknown noise leaves open: the motion may follow noise, so that all larger weights count, too, by their
+/// restricted likelihood and by a prior against motions that follow the noise, the share of freedom.
 static void mix_weights(noise_search *search)
 {
     static const double UNLIKELY = 12;
     smoother *s = &search->s;
     const size_t n = s->fit.dim;
-    double numbers = (double)((s->count - 2) * n), best = -INFINITY, total = 0, middle = search->weight;
-    for (int side = 0; side < 2; side++)
+    double numbers = (double)((s->count - 2) * n), best = -INFINITY, likely = 0, total = 0;
+    for (double weight = search->weight; weight < LAST_WEIGHT && !(likely < best - UNLIKELY); weight *= sqrt(FACTOR))
     {
-        const double factor = side == 0 ? sqrt(FACTOR) : 1 / sqrt(FACTOR);
-        for (double weight = side == 0 ? middle : middle * factor; weight >= FIRST_WEIGHT && weight < LAST_WEIGHT;
-             weight *= factor)
+        if (smoother_fit(s, weight, NEAR, NULL) != BAT_OK)
         {
-            if (smoother_fit(s, weight, NEAR, NULL) != BAT_OK)
-            {
-                memcpy(s->points, s->given, s->count * s->dim * sizeof *s->given);
-                break;
-            }
-            double determinant = smooth_fit_factor(&s->fit, weight), sum = fmax(smooth_fit_bend(&s->fit), DBL_MIN);
-            double left = fmax(1 - smoother_influence(s, weight) / (double)s->count, DBL_MIN);
-            double likely = log(left) - (numbers * log(sum) + (double)n * determinant) / 2;
-            double share = exp(fmin(likely - best, 0));
-            total = total * exp(fmin(best - likely, 0)) + share;
-            best = fmax(best, likely);
-            mix(search, share / total, weight * sum / numbers, sum / numbers);
-            if (likely < best - UNLIKELY)
-                break;
+            memcpy(s->points, s->given, s->count * s->dim * sizeof *s->given);
+            return;
         }
+        double determinant = smooth_fit_factor(&s->fit, weight), sum = fmax(smooth_fit_bend(&s->fit), DBL_MIN);
+        search->freedom = (double)s->count - smoother_influence(s, weight);
+        likely = log(fmax(search->freedom, DBL_MIN)) - (numbers * log(sum) + (double)n * determinant) / 2;
+        double share = exp(fmin(likely - best, 0));
+        total = total * exp(fmin(best - likely, 0)) + share;
+        best = fmax(best, likely);
+        mix(search, share / total, weight, weight * sum / numbers);
     }
 }
 
@@ -500,9 +503,7 @@ static bat_status fit_all(noise_search *search, double *sigma, bat_error *error)
     for (s->first = 0; s->first < s->n && status == BAT_OK; s->first += together)
     {
         status = find_weight(search, error);
-        double degrees = fmax(search->all - ((double)s->count - search->freedom), 1) * (double)together;
-        double variance = search->sigma > 0 ? search->sigma * search->sigma
-                                            : smoother_squares(s, search->cut * (double)together) / degrees;
+        const double variance = variance_of(search);
         total += variance * (double)together;
         for (size_t i = 0; i < s->count && status == BAT_OK; i++)
             for (size_t k = s->first; k < s->first + together; k++)
