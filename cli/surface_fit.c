@@ -302,6 +302,23 @@ static json_t *report_candidates(const surface_findings *findings, const char *r
     return table.rows;
 }
 
+/// The notes of reading, and one on a noise that was told and contradicts the points.
+static json_t *report_notes(const surface_findings *findings, bool as_json)
+{
+    const bat_surface_fit_options *fit = &findings->options->fit;
+    json_t *notes = as_json ? file_notes_json(findings->notes) : NULL;
+    char note[120];
+    if (!bat_surface_noise_contradicts(fit, findings->result->noise))
+        return notes;
+    (void)snprintf(note, sizeof note, "--noise %.3g contradicts the points, whose noise is about %.3g", fit->noise,
+                   findings->result->noise);
+    if (as_json)
+        (void)json_array_append_new(notes, json_string(note));
+    else
+        (void)printf("note: %s\n", note);
+    return notes;
+}
+
 json_t *surface_report(const surface_findings *findings, bool as_json)
 {
     const bat_surface_result *result = findings->result;
@@ -333,6 +350,7 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
         "{noise:.3g} in each coordinate, from residuals of local quadratic fits\n",
         "points:z rms:n largest:n -noise:n", report->held_out_count, report->held_out_rms, report->held_out_largest,
         result->noise);
+    json_t *notes = report_notes(findings, as_json);
     json_t *verdict = report_verdict(&result->verdict, as_json);
     if (!as_json)
         (void)printf("seconds: boundary %.2f, measures of the cloud %.2f, parameters and fits %.2f\n", result->seconds[0],
@@ -342,11 +360,10 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
     const int *degree = findings->options->fit.space.degree;
     return report_object("cloud:o chosen:s reason:s form:s gaps:o trial_points:z candidates:o degree:o rounds:o result:o "
                          "reached:b moved:z outliers:z "
-                         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o notes:o?",
+                         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o notes:o",
                          cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, form, gaps,
                          result->trial_points, candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows,
                          report_round(findings, report->count - 1, true), (int)report->reached, (size_t)report->moved,
                          (size_t)report->outliers, folds_json(findings->cloud, &result->folds), held_out, result->noise,
-                         verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3),
-                         findings->notes != NULL ? file_notes_json(findings->notes) : NULL);
+                         verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3), notes);
 }

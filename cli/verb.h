@@ -176,7 +176,7 @@ typedef struct surface_findings
     const bat_cloud *cloud;
     const bat_surface_reconstruct_options *options;
     const bat_surface_result *result;
-    const bat_mesh_notes *notes; ///< of reading; null for none
+    const bat_mesh_notes *notes; ///< of reading
 } surface_findings;
 
 /// Characters of a verdict in words, its end included.

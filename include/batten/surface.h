@@ -111,6 +111,8 @@ BAT_API bat_status bat_surface_verdict_check(const bat_surface_verdict *verdict,
 /// @param noise  standard deviation of a coordinate
 BAT_API bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_surface_fit_report *report,
                                      size_t points, double noise);
+/// Whether a fit was told a noise that is more than three times its estimate, or less than a third of it.
+BAT_API bool bat_surface_noise_contradicts(const bat_surface_fit_options *options, double noise);
 
 /// One candidate of BAT_SURFACE_PARAMETERS_AUTO, or the one that was asked for.
 typedef struct bat_surface_candidate

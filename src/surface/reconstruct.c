@@ -445,6 +445,13 @@ bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_s
            erf(options->tolerance / (noise * sqrt(2))) < share;
 }
 
+bool bat_surface_noise_contradicts(const bat_surface_fit_options *options, double noise)
+{
+    static const double TIMES = 3;
+    return options->smoothing == BAT_SURFACE_SMOOTHING_NOISE &&
+           (options->noise > TIMES * noise || TIMES * options->noise < noise);
+}
+
 /// Fail where the surface is judged to be wrong.
 static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool one_sided, bat_error *error)
 {

@@ -439,6 +439,18 @@ static void a_tolerance_below_the_noise_is_told(void **state)
     patch_free(&made);
 }
 
+/// A noise that is told contradicts its estimate beyond three times, either way.
+static void a_noise_that_contradicts_is_told(void **state)
+{
+    (void)state;
+    bat_surface_fit_options fit = bat_surface_fit_defaults();
+    fit.noise = 1;
+    assert_false(bat_surface_noise_contradicts(&fit, 0.001));
+    fit.smoothing = BAT_SURFACE_SMOOTHING_NOISE;
+    assert_true(bat_surface_noise_contradicts(&fit, 0.3) && bat_surface_noise_contradicts(&fit, 3.1));
+    assert_false(bat_surface_noise_contradicts(&fit, 0.34) || bat_surface_noise_contradicts(&fit, 2.9));
+}
+
 /// A right surface is doubted where the points are sparse along its outline, not where they are even.
 static void sparse_outlines_are_doubted(void **state)
 {
@@ -591,6 +603,7 @@ int main(void)
         cmocka_unit_test(noise_of_thin_parts_is_estimated),
         cmocka_unit_test(sparse_points_are_no_fault),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
+        cmocka_unit_test(a_noise_that_contradicts_is_told),
         cmocka_unit_test(sparse_outlines_are_doubted),
         cmocka_unit_test(few_points_are_doubted),
         cmocka_unit_test(covered_gaps_are_doubted),
