@@ -447,9 +447,7 @@ bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_s
 
 bool bat_surface_noise_contradicts(const bat_surface_fit_options *options, double noise)
 {
-    static const double TIMES = 3;
-    return options->smoothing == BAT_SURFACE_SMOOTHING_NOISE &&
-           (options->noise > TIMES * noise || TIMES * options->noise < noise);
+    return options->smoothing == BAT_SURFACE_SMOOTHING_NOISE && (options->noise > 3 * noise || 3 * options->noise < noise);
 }
 
 /// Fail where the surface is judged to be wrong.
@@ -518,11 +516,7 @@ bat_status reconstruction_store(reconstruction *work, bat_error *error)
         if (work->options->close_gaps == 0)
             doubt_gaps(result);
     }
-    local_plane plane;
-    status =
-        local_plane_fit_all(best->surface.control, bat_hierarchical_space_functions(best->surface.space), &plane, error);
-    if (status != BAT_OK)
-        return status;
+    local_plane plane = local_plane_fit_all(best->surface.control, bat_hierarchical_space_functions(best->surface.space));
     result->is_plane = plane.variance[2] <= fmax(result->noise * result->noise, 1e-15 * plane.variance[0]); // or rounding
     result->surface = best->surface;
     result->report = best->fit;

@@ -1,8 +1,9 @@
 #include "draw/surface/scene.h"
 
-#include "base/memory.h"
-#include "linalg/symmetric.h"
 #include "linalg/vector.h"
+#include "surface/cloud/local_plane.h"
+
+#include <string.h>
 
 /// @file
 /// Automatic views of patches from their boundary, centroid and principal axes.
@@ -17,40 +18,6 @@
 /// A patch is deep where that distance exceeds this fraction of its size, and leans where the offset exceeds the second.
 #define DEEP_SHARE 1.5
 #define LEAN_SHARE 0.15
-
-static void mean_of(const double *points, size_t count, double mean[3])
-{
-    double sum[3] = {0};
-    for (size_t i = 0; i < 3 * count; i++)
-        sum[i % 3] += points[i];
-    for (int c = 0; c < 3; c++)
-        mean[c] = sum[c] / (double)(count > 0 ? count : 1);
-}
-
-/// The principal axes of points and their variances, in increasing order.
-static void principal_axes(const patch_points *patch, const double mean[3], double variances[3], double axes[3][3])
-{
-    double moments[9] = {0}, vectors[9];
-    for (size_t i = 0; i < patch->count; i++)
-    {
-        double from_mean[3];
-        vector3_subtract(patch->points + 3 * i, mean, from_mean);
-        for (int e = 0; e < 9; e++)
-            moments[e] += from_mean[e / 3] * from_mean[e % 3] / (double)patch->count;
-    }
-    symmetric_eigen(3, moments, vectors, SYMMETRIC_BY_NORM);
-    int order[3] = {0, 1, 2};
-    for (int i = 0; i < 2; i++)
-        for (int k = i + 1; k < 3; k++)
-            if (moments[4 * order[k]] < moments[4 * order[i]])
-                SWAP(order[i], order[k]);
-    for (int i = 0; i < 3; i++)
-    {
-        variances[i] = fmax(moments[4 * order[i]], 0);
-        for (int c = 0; c < 3; c++)
-            axes[i][c] = vectors[3 * order[i] + c];
-    }
-}
 
 /// The integral of the normal over any surface bounded by the loop.
 static void vector_area(const patch_points *patch, const double middle[3], double area[3])
@@ -92,20 +59,18 @@ static void face_lean(const double bulge[3], double size, double normal[3])
 /// Find the direction that the patch faces.
 static void find_normal(const patch_points *patch, double normal[3])
 {
-    double mean[3], variances[3], axes[3][3], middle[3], bulge[3];
-    mean_of(patch->points, patch->count, mean);
-    principal_axes(patch, mean, variances, axes);
-    mean_of(patch->points, patch->loop_count, middle);
-    vector_area(patch, middle, normal);
+    local_plane all = local_plane_fit_all(patch->points, patch->count);
+    local_plane loop = local_plane_fit_all(patch->points, patch->loop_count);
+    double bulge[3];
+    vector_area(patch, loop.centre, normal);
     // A flat rectangle has variances side^2 / 12.
-    double flat = 12 * sqrt(variances[1]) * sqrt(variances[2]);
-    if (sqrt(vector3_dot(normal, normal)) < OPEN_SHARE * flat || !vector3_normalize(normal))
-        for (int c = 0; c < 3; c++)
-            normal[c] = axes[0][c];
-    vector3_subtract(mean, middle, bulge);
-    face_bulge(patch, bulge, sqrt(variances[2]), normal);
+    double flat = 12 * sqrt(all.variance[0]) * sqrt(all.variance[1]);
+    if (vector3_length(normal) < OPEN_SHARE * flat || !vector3_normalize(normal))
+        memcpy(normal, all.axes[2], sizeof all.axes[2]);
+    vector3_subtract(all.centre, loop.centre, bulge);
+    face_bulge(patch, bulge, sqrt(all.variance[0]), normal);
     if (patch->loop_count > 0)
-        face_lean(bulge, sqrt(variances[2]), normal);
+        face_lean(bulge, sqrt(all.variance[0]), normal);
 }
 
 static bool is_given(const double direction[3])

@@ -21,10 +21,7 @@ static const double MIN_ROUND = 0.25;
 
 bat_status diagnose_line(const double *points, size_t count, bat_error *error)
 {
-    local_plane plane;
-    bat_status status = local_plane_fit_all(points, count, &plane, error);
-    if (status != BAT_OK)
-        return status;
+    local_plane plane = local_plane_fit_all(points, count);
     const double *variance = plane.variance;
     bool exact = variance[1] <= MAX_LINE * variance[0];
     bool scattered = variance[1] <= MAX_SCATTERED_LINE * variance[0] && variance[2] >= MIN_ROUND * variance[1];

@@ -10,19 +10,20 @@
 
 #include <string.h>
 
-local_plane local_plane_fit(const double *points, const neighbour_list *list)
+/// Fit a plane to the points of the entries, or to the first points where these are null.
+static local_plane fit_plane(const double *points, const neighbour *entries, size_t count)
 {
     local_plane plane = {0};
-    double count = (double)list->count, moment[9] = {0}, vectors[9];
-    for (size_t i = 0; i < list->count; i++)
-        for (int k = 0; k < 3; k++)
-            plane.centre[k] += points[3 * (size_t)list->entries[i].item + (size_t)k] / count;
-    for (size_t i = 0; i < list->count; i++)
+    double number = (double)count, moment[9] = {0}, vectors[9];
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < 3; k++)
+            plane.centre[k] += points[3 * (entries != NULL ? (size_t)entries[i].item : i) + k] / number;
+    for (size_t i = 0; i < count; i++)
     {
         double arm[3];
-        vector3_subtract(points + 3 * (size_t)list->entries[i].item, plane.centre, arm);
+        vector3_subtract(points + 3 * (entries != NULL ? (size_t)entries[i].item : i), plane.centre, arm);
         for (int k = 0; k < 9; k++)
-            moment[k] += arm[k / 3] * arm[k % 3] / count;
+            moment[k] += arm[k / 3] * arm[k % 3] / number;
     }
     symmetric_eigen(3, moment, vectors, SYMMETRIC_BY_NORM);
     int order[3] = {0, 1, 2};
@@ -39,16 +40,14 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list)
     return plane;
 }
 
-bat_status local_plane_fit_all(const double *points, size_t count, local_plane *plane, bat_error *error)
+local_plane local_plane_fit(const double *points, const neighbour_list *list)
 {
-    neighbour_list all = {.entries = memory_array(count, sizeof *all.entries), .count = count};
-    if (all.entries == NULL)
-        return error_memory(error, count * sizeof *all.entries);
-    for (size_t i = 0; i < count; i++)
-        all.entries[i] = (neighbour){0, (uint32_t)i};
-    *plane = local_plane_fit(points, &all);
-    free(all.entries);
-    return BAT_OK;
+    return fit_plane(points, list->entries, list->count);
+}
+
+local_plane local_plane_fit_all(const double *points, size_t count)
+{
+    return fit_plane(points, NULL, count);
 }
 
 void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2])

@@ -20,8 +20,7 @@ typedef struct local_plane
 local_plane local_plane_fit(const double *points, const neighbour_list *list);
 
 /// Fit a plane to all points.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status local_plane_fit_all(const double *points, size_t count, local_plane *plane, bat_error *error);
+local_plane local_plane_fit_all(const double *points, size_t count);
 
 /// Coordinates of the projection of a point to the plane, relative to an origin.
 void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2]);

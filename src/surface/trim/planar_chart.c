@@ -497,18 +497,18 @@ static bat_status set_rectangle(const cloud_geometry *geometry, double margin, p
 
 bat_status planar_chart_make(const cloud_geometry *geometry, double margin, planar_chart *chart, bat_error *error)
 {
-    local_plane plane;
     size_t count = geometry->order.cloud.count;
+    bat_status status = BAT_OK;
     *chart = (planar_chart){.places = memory_array(count, sizeof *chart->places)};
     if (chart->places == NULL)
         return error_memory(error, count * sizeof *chart->places);
-    bat_status status = local_plane_fit_all(geometry->order.cloud.points, count, &plane, error);
-    bool flat = status == BAT_OK && plane.variance[2] <= FLAT * FLAT * plane.variance[1];
+    local_plane plane = local_plane_fit_all(geometry->order.cloud.points, count);
+    bool flat = plane.variance[2] <= FLAT * FLAT * plane.variance[1];
     if (flat)
         set_direction(plane.axes[2], chart->direction);
-    if (flat || (status == BAT_OK && find_direction(geometry, chart->direction)))
+    if (flat || find_direction(geometry, chart->direction))
         project(geometry, chart->direction, chart->places);
-    else if (status == BAT_OK)
+    else
     {
         memset(chart->direction, 0, sizeof chart->direction);
         status = unroll_cloud(geometry, chart->places, error);
