@@ -32,14 +32,6 @@ static void add(size_t n, double factor, const double *vector, double *sum)
         sum[i] += factor * vector[i];
 }
 
-static void cross(const double *u, const double *v, double *w)
-{
-    double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-    w[0] = x;
-    w[1] = y;
-    w[2] = z;
-}
-
 /// 1 / n!
 static const double INVERSE_FACTORIALS[] = {1 / 1.0,
                                             1 / 1.0,
@@ -104,8 +96,8 @@ static void rotation_push(const double *c, const double *w, double *pushed)
 {
     spline_turning t = spline_turning_of(vector_dot(3, c, c));
     double once[3], twice[3];
-    cross(c, w, once);
-    cross(c, once, twice);
+    vector3_cross(c, w, once);
+    vector3_cross(c, once, twice);
     for (int i = 0; i < 3; i++)
         pushed[i] = w[i] - t.a * once[i] + t.b * twice[i];
 }
@@ -114,8 +106,8 @@ void spline_rotate(const double *e, const double *v, double *rotated)
 {
     double x = vector_dot(3, e, e), once[3], twice[3];
     spline_turning t = spline_turning_of(x);
-    cross(e, v, once);
-    cross(e, once, twice);
+    vector3_cross(e, v, once);
+    vector3_cross(e, once, twice);
     for (int i = 0; i < 3; i++)
         rotated[i] = v[i] + (1 - t.b * x) * once[i] + t.a * twice[i];
 }
@@ -123,8 +115,8 @@ void spline_rotate(const double *e, const double *v, double *rotated)
 static void rotation_pull(const spline_turning *t, const double *c, const double *v, double *pulled)
 {
     double once[3], twice[3];
-    cross(c, v, once);
-    cross(c, once, twice);
+    vector3_cross(c, v, once);
+    vector3_cross(c, once, twice);
     for (int i = 0; i < 3; i++)
         pulled[i] = v[i] + 0.5 * once[i] + t->inverse * twice[i];
 }
@@ -134,11 +126,11 @@ static void rotation_rates(const spline_turning *t, const double *c, const doubl
                            double *velocity, double *acceleration)
 {
     double along = vector_dot(3, c, first), once[3], twice[3], other[3], bent[3], other_twice[3];
-    cross(c, first, once);
-    cross(c, once, twice);
-    cross(c, second, other);
-    cross(c, other, other_twice);
-    cross(first, once, bent);
+    vector3_cross(c, first, once);
+    vector3_cross(c, once, twice);
+    vector3_cross(c, second, other);
+    vector3_cross(c, other, other_twice);
+    vector3_cross(first, once, bent);
     for (int i = 0; i < 3; i++)
     {
         double value = first[i] - t->a * once[i] + t->b * twice[i];

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "draw/curve/view.h"
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <math.h>
@@ -69,14 +70,6 @@ static void choose_units(const bat_motion_picture_options *options, film *made)
     made->length_factor = earth && options->length_unit == NULL ? BAT_EARTH_RADIUS : 1;
 }
 
-static double length_of(const double *vector, size_t n)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += vector[i] * vector[i];
-    return sqrt(sum);
-}
-
 /// Speeds of `count` points; `turns` is null where there are none.
 static bat_status find_speeds(const film *shown, const double *points, const double *velocities, size_t count,
                               double *speeds, double *turns, bat_error *error)
@@ -85,11 +78,12 @@ static bat_status find_speeds(const film *shown, const double *points, const dou
     for (size_t i = 0; i < count; i++)
     {
         const double *v = velocities + i * space->tangent_dim, *p = points + i * space->point_dim;
-        double angular = shown->kind == FILM_STRIP ? length_of(v, 3) : shown->body ? length_of(v + 3, 3) : 0;
+        double angular = shown->kind == FILM_STRIP ? vector3_length(v) : shown->body ? vector3_length(v + 3) : 0;
         if (turns != NULL)
             turns[i] = DEGREES * angular;
         if (speeds != NULL)
-            speeds[i] = shown->length_factor * (shown->body ? length_of(v, 3) : sqrt(fmax(space->inner(space, p, v, v), 0)));
+            speeds[i] =
+                shown->length_factor * (shown->body ? vector3_length(v) : sqrt(fmax(space->inner(space, p, v, v), 0)));
         bool good = (turns == NULL || turns[i] < LARGEST) && (speeds == NULL || speeds[i] < LARGEST);
         for (size_t c = 0; c < space->point_dim; c++)
             good = good && fabs(p[c]) < LARGEST;
