@@ -26,6 +26,8 @@ typedef struct surface_job
     bat_shell made;
     bat_shell_report shell_report;
     const char *cage; ///< file; may be null
+    bat_surface_view view;
+    number_list bands;
 } surface_job;
 
 static const option_spec OPTIONS[] = {
@@ -76,6 +78,9 @@ static const option_spec OPTIONS[] = {
     {"parameters", "FILE", RESULT, IS_WRITTEN, "write u v of each point, in the order of IN", TEXT(surface_job, parameters)},
     {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw cloud, surface, distances and parameters (.png, .svg or .pdf)",
      NO_FIELD},
+    {"bands", "T,...", PICTURE, 0, "colour the points of the picture by these distances and by side, as 0.1,0.2", NO_FIELD},
+    {"view", "NAME", PICTURE, 0, "of the surface in the picture: {}; default shaded",
+     CHOICE(surface_job, view, bat_surface_view_family)},
     END_OF_OPTIONS,
 };
 
@@ -132,10 +137,22 @@ static bool read_parameterization(surface_job *job)
     return usage_refused(given, "%s, or a file such as ./%s", error.text, text);
 }
 
+/// The distances that bound colours of a picture.
+static bool read_bands(surface_job *job)
+{
+    const number_list *bands = &job->bands;
+    bool rises = argument_list(job->call.given, "bands", 1e-9, 1e9, false, &job->bands);
+    for (size_t k = 1; k < bands->count; k++)
+        rises = rises && bands->numbers[k] > bands->numbers[k - 1];
+    return (rises && bands->count <= BAT_SURFACE_MAX_BANDS) ||
+           (bands->count > 0 &&
+            argument_refused(job->call.given, "bands", "up to %d distances that rise", BAT_SURFACE_MAX_BANDS));
+}
+
 /// The name of an option that has no part in a conversion; null when none is given.
 static const char *find_fit_option(const arguments *given)
 {
-    static const char *const CONVERTS[] = {"output", "to", "unit", "samples", "picture", "json", "quiet", NULL};
+    static const char *const CONVERTS[] = {"output", "to", "unit", "samples", "picture", "view", "json", "quiet", NULL};
     const option_spec *option;
     for (size_t i = 0; (option = option_at(given->verb, i, NULL)) != NULL; i++)
     {
@@ -161,14 +178,16 @@ static bool check(void *of)
     surface_job *job = of;
     const arguments *given = job->call.given;
     job->options.fit.threads = job->call.threads;
-    if (!read_input(job) || !surface_check_fit(given, &job->options.fit) || !read_parameterization(job))
+    if (!read_input(job) || !surface_check_fit(given, &job->options.fit) || !read_parameterization(job) || !read_bands(job))
         return false;
+    bool inspects = job->bands.count > 0 || argument(given, "view") != NULL;
     const usage_rule rules[] = {
         {job->model_file != NULL && job->options.parameters > BAT_SURFACE_PARAMETERS_LEARNED,
          "--model goes with auto and learned parameters"},
         {argument(given, "fill-holes") != NULL && !job->options.trim && !job->shell,
          "--fill-holes goes with --trim or --shell"},
         {argument(given, "close-gaps") != NULL && !job->options.trim, "--close-gaps goes with --trim"},
+        {inspects && (job->call.picture == NULL || job->shell), "--bands and --view go with --picture, without --shell"},
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
         {job->shell && (job->parameters != NULL || job->parameter_file != NULL || argument(given, "functions") != NULL),
          "a shell has patches, not functions and parameters of one square: leave out --shell, or give --patches"},
@@ -197,7 +216,8 @@ static bool leads_to_shell(surface_job *job)
     if (job->call.output != NULL && job->write.format == BAT_SURFACE_FORMAT_AUTO)
         (void)bat_choice_of_path(&bat_surface_format_family, job->call.output, true, &row, NULL);
     int format = row != NULL ? row->value : (int)job->write.format;
-    bool outlined = job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
+    bool inspects = job->bands.count > 0 || job->view != BAT_SURFACE_VIEW_SHADED;
+    bool outlined = inspects || job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
     return bat_shell_follows(&job->options, outlined || job->model_file != NULL || job->parameters != NULL, report_error(),
                              &job->shell_options) &&
            (format == BAT_SURFACE_FORMAT_AUTO || format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_OBJ);
@@ -306,8 +326,10 @@ static int reconstruct(surface_job *job)
 /// Draw a row: of a fit, or of a surface that is converted.
 static int draw_row(const surface_job *job, const bat_surface_picture_row *row)
 {
-    return report_status(NULL, job->call.picture,
-                         bat_surface_picture_write(output_path(&job->call.files, "picture"), row, 1, NULL, report_error()));
+    const bat_surface_inspection inspection = {job->view, job->bands.numbers, job->bands.count};
+    return report_status(
+        job->call.given, job->call.picture,
+        bat_surface_picture_inspect(output_path(&job->call.files, "picture"), row, 1, &inspection, NULL, report_error()));
 }
 
 static int draw(const surface_job *job)

@@ -45,6 +45,32 @@ extern BAT_API const bat_options_table bat_surface_picture_fields;
 BAT_API bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
                                              const bat_surface_picture_options *options, bat_error *error);
 
+/// What the panels of surfaces show.
+typedef enum bat_surface_view
+{
+    BAT_SURFACE_VIEW_SHADED,   ///< the default
+    BAT_SURFACE_VIEW_ZEBRA,    ///< reflected stripes, which break where the surface is not smooth
+    BAT_SURFACE_VIEW_CURVATURE ///< mean curvature, positive where the surface bulges towards the viewer
+} bat_surface_view;
+
+extern BAT_API const bat_family bat_surface_view_family; ///< the choices by name
+#define BAT_SURFACE_MAX_BANDS 4                          ///< on each side
+
+/// What inspectors look at. All zero: as bat_surface_picture_write().
+typedef struct bat_surface_inspection
+{
+    bat_surface_view view;
+    const double *bands; ///< band_count, above 0 and rising: distances that bound colours on each side; null: a scale
+    size_t band_count;   ///< at most BAT_SURFACE_MAX_BANDS
+} bat_surface_inspection;
+
+/// Draw rows for an inspection (null: all zero). With bands, the legend has the share of the points in each, and rows with
+/// distances need a surface and parameters.
+/// @return as bat_surface_picture_write(); BAT_INVALID_ARGUMENT also for a wrong inspection
+BAT_API bat_status bat_surface_picture_inspect(const char *path, const bat_surface_picture_row *rows, size_t count,
+                                               const bat_surface_inspection *inspection,
+                                               const bat_surface_picture_options *options, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -372,9 +372,11 @@ static void cells_are_drawn(void **state)
 static surface_row row_from_above(const bat_surface_picture_row *panel)
 {
     size_t loop_count;
+    double *parameters = NULL;
     surface_row row = {.panel = panel, .view = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, .frame = {{0, 0}, {1, 1}}};
     if (panel->surface != NULL)
-        assert_int_equal(surface_patch_make(panel->surface, &row.patch, &loop_count, NULL), BAT_OK);
+        assert_int_equal(surface_patch_make(panel->surface, &row.patch, &parameters, &loop_count, NULL), BAT_OK);
+    free(parameters);
     return row;
 }
 
@@ -390,7 +392,8 @@ static void errors_are_colours(void **state)
         bat_surface_picture_row panel = {.cloud = &cloud, .distances = &distance};
         surface_row row = row_from_above(&panel);
         cairo_t *cairo = open_paper();
-        assert_int_equal(surface_view_draw(&row, SURFACE_PANEL_ERRORS, 1, cairo, PAPER, 4, NULL), BAT_OK);
+        assert_int_equal(
+            surface_view_draw(&row, SURFACE_PANEL_ERRORS, &(surface_colours){.highest = 1}, cairo, PAPER, 4, NULL), BAT_OK);
         pixels picture = pixels_of(cairo_get_target(cairo));
         uint32_t pixel = pixel_at(&picture, 100, 100);
         draw_colour colour = colour_scale_at(distance);
@@ -414,7 +417,9 @@ static void surfaces_hide_points(void **state)
         bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .distances = &distances[i]};
         surface_row row = row_from_above(&panel);
         cairo_t *cairo = open_paper();
-        assert_int_equal(surface_view_draw(&row, SURFACE_PANEL_ERRORS, 0.01, cairo, PAPER, 1, NULL), BAT_OK);
+        assert_int_equal(
+            surface_view_draw(&row, SURFACE_PANEL_ERRORS, &(surface_colours){.highest = 0.01}, cairo, PAPER, 1, NULL),
+            BAT_OK);
         pixels picture = pixels_of(cairo_get_target(cairo));
         assert_int_equal(lightness(pixel_at(&picture, 100, 100)) < 0.4, i != 1);
         cairo_destroy(cairo);
@@ -430,7 +435,9 @@ static void patches_are_the_surface(void **state)
     bat_spline_surface flat = make_flat(3);
     bat_mesh patch;
     size_t loop_count;
-    assert_int_equal(surface_patch_make(&flat, &patch, &loop_count, NULL), BAT_OK);
+    double *parameters;
+    assert_int_equal(surface_patch_make(&flat, &patch, &parameters, &loop_count, NULL), BAT_OK);
+    free(parameters);
     bat_mesh_summary summary;
     assert_int_equal(bat_mesh_check(&patch, NULL), BAT_OK);
     assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
@@ -489,7 +496,9 @@ static void small_cells_are_drawn(void **state)
     }
     bat_mesh patch;
     size_t loop_count;
-    assert_int_equal(surface_patch_make(&flat, &patch, &loop_count, NULL), BAT_OK);
+    double *parameters;
+    assert_int_equal(surface_patch_make(&flat, &patch, &parameters, &loop_count, NULL), BAT_OK);
+    free(parameters);
     bat_mesh_summary summary;
     assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
     check_near(summary.area, 1, 1e-12);
@@ -517,6 +526,114 @@ static void surfaces_beyond_the_points_are_cut(void **state)
     bat_surface_picture_row panel = {.cloud = &sample.cloud, .surface = &sample.surface, .distances = sample.distances};
     assert_int_equal(bat_surface_picture_write(path, &panel, 1, NULL, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);
+    free_row(&sample);
+}
+
+/// Bands count outwards from the middle one, and have a colour and a label each.
+static void distances_are_in_bands(void **state)
+{
+    (void)state;
+    const double limits[2] = {0.1, 0.2}, distances[5] = {0.3, 0.15, -0.1, -0.2, -1};
+    const char *const labels[5] = {"beyond +0.2: 25.00 %", "+0.1 to +0.2: 25.00 %",
+                                   "within \xc2\xb1"
+                                   "0.1: 25.00 %",
+                                   "\xe2\x88\x92"
+                                   "0.1 to \xe2\x88\x92"
+                                   "0.2: 25.00 %",
+                                   "beyond \xe2\x88\x92"
+                                   "0.2: 25.00 %"};
+    const bat_surface_inspection inspection = {.bands = limits, .band_count = 2};
+    char label[64];
+    for (size_t k = 0; k < 5; k++)
+    {
+        assert_int_equal(surface_band_of(&inspection, distances[k]), k);
+        surface_band_label(&inspection, k, 0.25, label, sizeof label);
+        assert_string_equal(label, labels[k]);
+        for (size_t other = 0; other < k; other++)
+        {
+            draw_colour a = surface_band_colour(&inspection, k), b = surface_band_colour(&inspection, other);
+            assert_true(fabs(a.red - b.red) + fabs(a.green - b.green) + fabs(a.blue - b.blue) > 0.2);
+        }
+    }
+}
+
+/// Distances are positive on the side that is seen, whichever way the surface is turned.
+static void distances_have_sides(void **state)
+{
+    (void)state;
+    bat_spline_surface flat = make_flat(2);
+    double points[6] = {0.5, 0.5, 0.4, 0.5, 0.5, -0.3}, distances[2] = {0.4, 0.3}, parameters[4] = {0.5, 0.5, 0.5, 0.5};
+    bat_cloud cloud = {.points = points, .count = 2};
+    bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .distances = distances, .parameters = parameters};
+    for (int turned = 0; turned < 2; turned++)
+    {
+        surface_row row = {.panel = &panel, .turned = turned != 0};
+        assert_int_equal(surface_row_sign(&row, NULL), BAT_OK);
+        assert_true(row.signed_distances[0] == (turned ? -0.4 : 0.4) && row.signed_distances[1] == (turned ? 0.3 : -0.3));
+        free(row.signed_distances);
+    }
+    bat_spline_surface_free(&flat);
+}
+
+/// The mean curvature of a paraboloid is that of its second derivatives at the top, and bulges towards the viewer.
+static void curvature_is_that_of_the_surface(void **state)
+{
+    (void)state;
+    bat_hierarchical_options options = bat_hierarchical_defaults();
+    options.degree[0] = options.degree[1] = 2;
+    bat_spline_surface bowl = {.dimension = 3};
+    assert_int_equal(bat_hierarchical_space_make(&options, &bowl.space, NULL), BAT_OK);
+    bowl.control = calloc(9, 3 * sizeof(double));
+    assert_non_null(bowl.control);
+    // z = -3 (u - 1/2)^2 - (v - 1/2)^2 in Bezier form
+    for (size_t k = 0; k < 9; k++)
+    {
+        bat_spline_function at = hierarchical_space_function(bowl.space, k);
+        bowl.control[3 * k] = at.i / 2.0;
+        bowl.control[3 * k + 1] = at.j / 2.0;
+        bowl.control[3 * k + 2] = -3 * (at.i == 1 ? -0.25 : 0.25) - (at.j == 1 ? -0.25 : 0.25);
+    }
+    const double middle[2] = {0.5, 0.5};
+    for (int turned = 0; turned < 2; turned++)
+    {
+        double end = 0, place[3] = {0.5, 0.5, 0};
+        uint32_t face[3] = {0, 0, 0};
+        bat_surface_picture_row panel = {.surface = &bowl};
+        surface_row row = {.panel = &panel,
+                           .turned = turned != 0,
+                           .patch = {.positions = place, .faces = face, .vertex_count = 1, .face_count = 1}};
+        assert_int_equal(surface_row_inspect(&row, false, middle, &end, NULL), BAT_OK);
+        check_near(row.values[0], turned ? -4 : 4, 1e-12);
+        free(row.values);
+    }
+    bat_spline_surface_free(&bowl);
+}
+
+/// Views and bands draw other pictures, and wrong ones are refused.
+static void inspections_are_drawn(void **state)
+{
+    (void)state;
+    sample_row sample = make_row(60);
+    const double bands[5] = {0.1, 0.2, 0.15, 0.3, 0.4};
+    char path[128];
+    bat_error error;
+    path_of(path, "inspected.png");
+    bat_surface_picture_row row = sample.panel;
+    row.cloud = &sample.cloud;
+    row.surface = &sample.surface;
+    for (int view = 0; view < 3; view++)
+    {
+        const bat_surface_inspection inspection = {(bat_surface_view)view, bands, 2};
+        assert_int_equal(bat_surface_picture_inspect(path, &row, 1, &inspection, NULL, &error), BAT_OK);
+        assert_int_equal(unlink(path), 0);
+    }
+    const bat_surface_inspection wrong[] = {
+        {.bands = bands, .band_count = 3}, {.bands = bands + 2, .band_count = 5}, {(bat_surface_view)3, NULL, 0}};
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++)
+        assert_int_equal(bat_surface_picture_inspect(path, &row, 1, &wrong[k], NULL, &error), BAT_INVALID_ARGUMENT);
+    row.parameters = NULL;
+    const bat_surface_inspection good = {.bands = bands, .band_count = 2};
+    assert_int_equal(bat_surface_picture_inspect(path, &row, 1, &good, NULL, &error), BAT_INVALID_ARGUMENT);
     free_row(&sample);
 }
 
@@ -579,6 +696,10 @@ int main(void)
         cmocka_unit_test(patches_are_the_surface),
         cmocka_unit_test(small_cells_are_drawn),
         cmocka_unit_test(surfaces_beyond_the_points_are_cut),
+        cmocka_unit_test(distances_are_in_bands),
+        cmocka_unit_test(distances_have_sides),
+        cmocka_unit_test(curvature_is_that_of_the_surface),
+        cmocka_unit_test(inspections_are_drawn),
         cmocka_unit_test(wrong_input_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -47,6 +47,12 @@ draw_colour colour_scale_at(double share)
                                  a->hue + t * (b->hue - a->hue)});
 }
 
+draw_colour colour_scale_diverging(double share)
+{
+    double from_middle = fmin(fabs(2 * share - 1), 1);
+    return to_linear((perceived){0.95 - 0.5 * from_middle, 0.17 * from_middle, share < 0.5 ? 255 : 30});
+}
+
 double colour_encode(double linear)
 {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
@@ -62,12 +68,12 @@ double colour_bar_height(void)
     return BAR_HEIGHT + 16.0;
 }
 
-static void draw_steps(cairo_t *cairo, double x, double y)
+static void draw_steps(cairo_t *cairo, colour_scale *scale, double x, double y)
 {
     cairo_pattern_t *pattern = cairo_pattern_create_linear(x, 0, x + BAR_WIDTH, 0);
     for (int i = 0; i <= BAR_STEPS; i++)
     {
-        draw_colour colour = colour_scale_at((double)i / BAR_STEPS);
+        draw_colour colour = scale((double)i / BAR_STEPS);
         cairo_pattern_add_color_stop_rgb(pattern, (double)i / BAR_STEPS, colour_encode(colour.red),
                                          colour_encode(colour.green), colour_encode(colour.blue));
     }
@@ -78,7 +84,7 @@ static void draw_steps(cairo_t *cairo, double x, double y)
     style_stroke(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
 }
 
-void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label, const double box[4])
+void colour_bar_draw(cairo_t *cairo, colour_scale *scale, double low, double high, const char *label, const double box[4])
 {
     text_use(cairo, TEXT_LEGEND, false);
     char scale_text[TICK_SCALE_SIZE];
@@ -88,7 +94,7 @@ void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label,
     double gap = 8.0,
            label_width = text_given(label) ? fmin(text_width(cairo, label), box[2] - BAR_WIDTH - 60.0) + gap : 0.0;
     double x = box[0] + 0.5 * (box[2] - BAR_WIDTH) + 0.5 * label_width, y = box[1];
-    draw_steps(cairo, x, y);
+    draw_steps(cairo, scale, x, y);
     if (text_given(label) && label_width > gap)
     {
         char cut[256];

@@ -14,9 +14,14 @@ double colour_encode(double linear);
 /// Convert sRGB to linear light.
 double colour_decode(double encoded);
 
+/// A scale of colours: that of a share from 0 to 1, in linear light.
+typedef draw_colour colour_scale(double share);
+/// From blue for 0 through a pale grey to red for 1.
+draw_colour colour_scale_diverging(double share);
+
 double colour_bar_height(void);
-/// Draw the scale from `low` to `high`, centred in the box (x, y, width, height): a bar, round numbers below it, the label.
-void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label, const double box[4]);
+/// Draw a scale from `low` to `high`, centred in the box (x, y, width, height): a bar, round numbers below it, the label.
+void colour_bar_draw(cairo_t *cairo, colour_scale *scale, double low, double high, const char *label, const double box[4]);
 
 // The legend of lines and marks below a picture.
 

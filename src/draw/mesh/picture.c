@@ -241,7 +241,7 @@ static bat_status panel_draw_mesh(const void *context, cairo_t *cairo, size_t in
 static void draw_scale(const void *context, cairo_t *cairo, const double box[4])
 {
     const mesh_scene *made = context;
-    colour_bar_draw(cairo, made->value_low, made->value_high, made->options->value_label, box);
+    colour_bar_draw(cairo, colour_scale_at, made->value_low, made->value_high, made->options->value_label, box);
 }
 
 bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel *panels, size_t count,

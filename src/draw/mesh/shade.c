@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "draw/common/legend.h"
 #include "linalg/vector.h"
 
 #include <string.h>
@@ -201,6 +200,8 @@ static double ramp(double low, double high, double x)
 static draw_colour base_colour(const shading *s, const visible_point *visible)
 {
     const shade_task *task = s->task;
+    if (task->grey)
+        return s->no_value;
     if (task->values == NULL)
         return visible->behind ? s->inside : s->clay;
     const uint32_t *corners = task->mesh->faces + 3 * (size_t)visible->face;
@@ -209,7 +210,8 @@ static draw_colour base_colour(const shading *s, const visible_point *visible)
         value += visible->share[c] * task->values[corners[c]];
     if (isnan(value))
         return s->no_value;
-    return colour_scale_at((value - task->value_low) / (task->value_high - task->value_low));
+    double share = (value - task->value_low) / (task->value_high - task->value_low);
+    return task->scale != NULL ? task->scale(share) : colour_scale_at(share);
 }
 
 /// The light at a point: a key light from above the viewer's left shoulder, a soft one from the right, ambient x `open`.
@@ -277,7 +279,7 @@ static draw_colour sample_colour(const shading *s, size_t x, size_t y, double op
     const shade_task *task = s->task;
     visible_point visible = visible_at(s, x, y);
     draw_colour base = base_colour(s, &visible);
-    bool clay = task->values == NULL;
+    bool clay = task->values == NULL && !task->grey;
     double light = illuminate(visible.normal, open), glow = clay && !visible.behind ? shine(visible.normal) : 0;
     light = clay ? light : 0.38 + 0.66 * light;
     draw_colour colour = {base.red * light + glow, base.green * light + glow, base.blue * light + glow};

@@ -2,6 +2,7 @@
 
 #include "batten/mesh.h"
 #include "batten/mesh_picture.h"
+#include "draw/common/legend.h"
 
 /// @file
 /// Orthographic views of meshes.
@@ -127,6 +128,8 @@ typedef struct shade_task
     const bat_mesh *polygons; ///< that the mesh is cut from, or null
     const double *values;     ///< at the vertices, or null
     double value_low, value_high;
+    colour_scale *scale; ///< of the values; null: colour_scale_at()
+    bool grey;           ///< without the values
     bool wires, flat, occlusion, boundaries;
     mesh_placing placing; ///< in pixels
     double line;          ///< the width of wires in pixels

@@ -36,8 +36,8 @@ typedef struct panel_image
     size_t columns, rows;
     double per_point;
     mesh_placing placing;
-    double highest;      ///< the end of the colour scale for errors
-    const double *blank; ///< NaN at every vertex, for a grey surface
+    const surface_colours *colours;
+    bool grey; ///< the surface
 } panel_image;
 
 /// The radius of dots that cover the whole frame.
@@ -141,14 +141,27 @@ static bat_status paint_cloud(const void *context, unsigned char *pixels, size_t
     return status;
 }
 
+/// Stripes, each 1 wide.
+static draw_colour zebra(double share)
+{
+    double grey = fmod(floor(share), 2) == 0 ? 0.02 : 0.9;
+    return (draw_colour){grey, grey, grey};
+}
+
 static bat_status paint_patch(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
 {
     const panel_image *task = context;
+    const bat_surface_inspection *inspection = &task->colours->inspection;
+    bool striped = inspection->view == BAT_SURFACE_VIEW_ZEBRA;
+    double end = striped ? 1 : task->colours->most_curved;
     shade_task shade = {.mesh = &task->row->patch,
-                        .values = task->blank,
-                        .value_high = 1,
+                        .values = task->row->values,
+                        .grey = task->grey,
+                        .value_low = striped ? 0 : -end,
+                        .value_high = end,
+                        .scale = striped ? zebra : colour_scale_diverging,
                         .occlusion = true,
-                        .boundaries = task->blank == NULL,
+                        .boundaries = !task->grey,
                         .placing = task->placing,
                         .line = BOUNDARY_LINE * task->per_point,
                         .columns = task->columns,
@@ -173,6 +186,7 @@ static void draw_errors(const panel_image *task, const mesh_raster *raster, imag
     const double *distances = task->row->panel->distances;
     size_t count = task->row->panel->cloud->count, seen = 0;
     double radius = ERROR_GROWTH * frame_radius(task, count);
+    const bat_surface_inspection *inspection = &task->colours->inspection;
     for (size_t i = 0; i < count; i++)
         if (!is_hidden(task, raster, &dots[i], distances[i]))
         {
@@ -184,8 +198,11 @@ static void draw_errors(const panel_image *task, const mesh_raster *raster, imag
         dot_draw(image, dots[k].x, dots[k].y, radius + ERROR_EDGE * task->per_point, COLOUR_FRAME);
     for (size_t k = 0; k < seen; k++)
     {
-        draw_colour light = colour_scale_at(dots[k].rank / task->highest);
+        draw_colour light = colour_scale_at(dots[k].rank / task->colours->highest);
         draw_colour colour = {colour_encode(light.red), colour_encode(light.green), colour_encode(light.blue)};
+        const double *distance = task->row->signed_distances;
+        if (distance != NULL)
+            colour = surface_band_colour(inspection, surface_band_of(inspection, distance[dots[k].index]));
         dot_draw(image, dots[k].x, dots[k].y, radius, colour);
     }
 }
@@ -197,9 +214,9 @@ static bat_status paint_errors(const void *context, unsigned char *pixels, size_
     image_dot *dots;
     mesh_raster raster = {0};
     bat_status status = place_dots(task, &dots, error);
-    if (status == BAT_OK && task->blank != NULL)
+    if (status == BAT_OK && task->grey)
         status = paint_patch(task, pixels, stride, error);
-    if (status == BAT_OK && task->blank != NULL)
+    if (status == BAT_OK && task->grey)
         status = mesh_raster_make(&task->row->patch, &task->placing, task->columns, task->rows, 0, &raster, error);
     if (status == BAT_OK)
         draw_errors(task, &raster, dots, &image);
@@ -208,28 +225,17 @@ static bat_status paint_errors(const void *context, unsigned char *pixels, size_
     return status;
 }
 
-bat_status surface_view_draw(const surface_row *row, surface_panel_kind kind, double highest, cairo_t *cairo,
+bat_status surface_view_draw(const surface_row *row, surface_panel_kind kind, const surface_colours *colours, cairo_t *cairo,
                              const double box[4], double per_point, bat_error *error)
 {
     static pixel_painter *const PAINTS[] = {paint_cloud, paint_patch, paint_errors};
     pixel_box place = pixel_box_align(cairo, per_point, box);
-    double *blank = NULL;
-    if (kind == SURFACE_PANEL_ERRORS && row->patch.face_count > 0)
-    {
-        blank = memory_array(row->patch.vertex_count, sizeof *blank);
-        if (blank == NULL)
-            return error_memory(error, row->patch.vertex_count * sizeof *blank);
-        for (size_t v = 0; v < row->patch.vertex_count; v++)
-            blank[v] = NAN;
-    }
     panel_image task = {.row = row,
                         .columns = place.columns,
                         .rows = place.rows,
                         .per_point = place.per_point,
                         .placing = mesh_frame_place(&row->frame, &row->view, place.columns, place.rows),
-                        .highest = highest,
-                        .blank = blank};
-    bat_status status = pixel_image_draw(cairo, &place, PAINTS[kind], &task, error);
-    free(blank);
-    return status;
+                        .colours = colours,
+                        .grey = kind == SURFACE_PANEL_ERRORS && row->patch.face_count > 0};
+    return pixel_image_draw(cairo, &place, PAINTS[kind], &task, error);
 }

@@ -151,27 +151,9 @@ static void fill_faces(const size_t steps[2], uint32_t *faces)
         }
 }
 
-static bat_status evaluate_grid(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh,
-                                bat_error *error)
-{
-    const size_t steps[2] = {lines[0].steps, lines[1].steps};
-    double *parameters = memory_array(mesh->vertex_count, 2 * sizeof *parameters);
-    if (parameters == NULL)
-        return error_memory(error, mesh->vertex_count * 2 * sizeof *parameters);
-    for (size_t j = 0; j <= steps[1]; j++)
-        for (size_t i = 0; i <= steps[0]; i++)
-        {
-            double *parameter = parameters + 2 * (size_t)vertex_at(steps, i, j);
-            parameter[0] = lines[0].at[i];
-            parameter[1] = lines[1].at[j];
-        }
-    bat_status status = bat_spline_surface_evaluate(surface, parameters, mesh->vertex_count, 0, mesh->positions, error);
-    free(parameters);
-    return status;
-}
-
 /// Keep the triangles whose corners are within the trimming curves, and the vertices of these.
-static bat_status trim_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh, bat_error *error)
+static bat_status trim_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh,
+                             double *parameters, bat_error *error)
 {
     const size_t steps[2] = {lines[0].steps, lines[1].steps};
     trim_region region;
@@ -193,6 +175,7 @@ static bat_status trim_patch(const bat_spline_surface *surface, const patch_line
     {
         bool kept = numbers[v] == 1;
         memmove(mesh->positions + 3 * vertices, mesh->positions + 3 * v, 3 * sizeof *mesh->positions);
+        memmove(parameters + 2 * vertices, parameters + 2 * v, 2 * sizeof *parameters);
         numbers[v] = kept ? (uint32_t)vertices : BAT_MESH_NONE;
         vertices += kept;
     }
@@ -211,38 +194,53 @@ static bat_status trim_patch(const bat_spline_surface *surface, const patch_line
     return BAT_OK;
 }
 
-static bat_status make_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh, bat_error *error)
+static bat_status make_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh,
+                             double **parameters, bat_error *error)
 {
     const size_t steps[2] = {lines[0].steps, lines[1].steps};
     *mesh = (bat_mesh){.vertex_count = (steps[0] + 1) * (steps[1] + 1), .face_count = 2 * steps[0] * steps[1]};
     mesh->positions = memory_array(mesh->vertex_count, 3 * sizeof *mesh->positions);
     mesh->faces = memory_array(mesh->face_count, 3 * sizeof *mesh->faces);
-    if (mesh->positions == NULL || mesh->faces == NULL)
+    *parameters = memory_array(mesh->vertex_count, 2 * sizeof **parameters);
+    if (mesh->positions == NULL || mesh->faces == NULL || *parameters == NULL)
         return error_memory(error, mesh->vertex_count * 3 * sizeof *mesh->positions);
-    bat_status status = evaluate_grid(surface, lines, mesh, error);
+    for (size_t j = 0; j <= steps[1]; j++)
+        for (size_t i = 0; i <= steps[0]; i++)
+        {
+            double *parameter = *parameters + 2 * (size_t)vertex_at(steps, i, j);
+            parameter[0] = lines[0].at[i];
+            parameter[1] = lines[1].at[j];
+        }
+    bat_status status = bat_spline_surface_evaluate(surface, *parameters, mesh->vertex_count, 0, mesh->positions, error);
     if (status != BAT_OK)
         return status;
     fill_faces(steps, mesh->faces);
-    return surface->trim.loop_count > 0 ? trim_patch(surface, lines, mesh, error) : BAT_OK;
+    return surface->trim.loop_count > 0 ? trim_patch(surface, lines, mesh, *parameters, error) : BAT_OK;
 }
 
-bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error)
+bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, double **parameters, size_t *loop_count,
+                              bat_error *error)
 {
+    double *places = NULL;
     patch_lines lines[2] = {0};
     bat_mesh made = {0};
     bat_status status = make_lines(surface, 0, &lines[0], error);
     if (status == BAT_OK)
         status = make_lines(surface, 1, &lines[1], error);
     if (status == BAT_OK)
-        status = make_patch(surface, lines, &made, error);
+        status = make_patch(surface, lines, &made, &places, error);
     *loop_count = surface->trim.loop_count > 0 ? 0 : 2 * (lines[0].steps + lines[1].steps);
     free(lines[0].at);
     free(lines[1].at);
-    if (status == BAT_OK)
-        *mesh = made;
-    else
+    if (status != BAT_OK)
+    {
         bat_mesh_free(&made);
-    return status;
+        free(places);
+        return status;
+    }
+    *mesh = made;
+    *parameters = places;
+    return BAT_OK;
 }
 
 void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3])
@@ -263,7 +261,7 @@ void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3]
     mesh->face_count = kept;
 }
 
-void surface_patch_turn(bat_mesh *mesh, const double eye[3])
+bool surface_patch_turn(bat_mesh *mesh, const double eye[3])
 {
     double facing = 0, seen = 0, volume = 0;
     const double *origin = mesh->positions;
@@ -281,7 +279,8 @@ void surface_patch_turn(bat_mesh *mesh, const double eye[3])
         seen += fabs(vector3_dot(normal, eye));
     }
     if ((fabs(facing) > OPEN_SHARE * seen ? facing : volume) >= 0)
-        return;
+        return false;
     for (size_t f = 0; f < mesh->face_count; f++)
         SWAP(mesh->faces[3 * f], mesh->faces[3 * f + 1]);
+    return true;
 }

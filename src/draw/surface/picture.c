@@ -92,6 +92,21 @@ static bat_status check_surface(const bat_spline_surface *surface, size_t index,
     return BAT_OK;
 }
 
+static bat_status inspection_check(const bat_surface_inspection *inspection, const bat_surface_picture_row *rows,
+                                   size_t count, bat_error *error)
+{
+    bool good = inspection->view <= BAT_SURFACE_VIEW_CURVATURE && inspection->band_count <= BAT_SURFACE_MAX_BANDS;
+    for (size_t k = 0; k < inspection->band_count && good; k++)
+        good = inspection->bands[k] > (k > 0 ? inspection->bands[k - 1] : 0) && isfinite(inspection->bands[k]);
+    for (size_t r = 0; r < count && inspection->band_count > 0; r++)
+        good = good && (rows[r].distances == NULL || (rows[r].surface != NULL && rows[r].parameters != NULL));
+    return good
+               ? BAT_OK
+               : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "an inspection needs a view, at most %d bands above 0 that rise, and parameters to tell sides by",
+                           BAT_SURFACE_MAX_BANDS);
+}
+
 static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
                                         const bat_surface_picture_options *options, bat_error *error)
 {
@@ -126,10 +141,12 @@ typedef struct surface_scene
     size_t count;
     surface_panel_kind kinds[SURFACE_PANEL_KINDS]; ///< the panels that some row has
     size_t columns;
-    double highest, per_point;
+    surface_colours colours;
+    double per_point;
     double title_room;
     bool has_errors;
-    legend_item items[1];
+    char labels[2 * BAT_SURFACE_MAX_BANDS + 1][64]; ///< of bands
+    legend_item items[2 * BAT_SURFACE_MAX_BANDS + 2];
     size_t item_count;
 } surface_scene;
 
@@ -217,37 +234,62 @@ static void choose_view(surface_row *row, size_t loop_count, const bat_surface_p
     row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
     if (cloud != NULL)
         cut_beyond_points(cloud, &row->patch);
-    surface_patch_turn(&row->patch, row->view.rotation[2]);
+    row->turned = surface_patch_turn(&row->patch, row->view.rotation[2]);
     mesh_frame of_surface = mesh_frame_of(row->patch.positions, row->patch.faces, 3 * row->patch.face_count, &row->view);
     mesh_frame of_cloud = mesh_frame_of(points.points, NULL, points.count, &row->view);
     row->frame = mesh_frame_join(&of_cloud, &of_surface);
 }
 
 static bat_status make_row(const bat_surface_picture_row *panel, const bat_surface_picture_options *options,
-                           surface_row *row, bat_error *error)
+                           surface_colours *colours, surface_row *row, bat_error *error)
 {
+    const bat_surface_inspection *inspection = &colours->inspection;
     size_t loop_count = 0;
+    double *parameters = NULL;
     row->panel = panel;
     bat_status status = BAT_OK;
     if (panel->surface != NULL)
-        status = surface_patch_make(panel->surface, &row->patch, &loop_count, error);
+        status = surface_patch_make(panel->surface, &row->patch, &parameters, &loop_count, error);
     if (status != BAT_OK)
         return status;
     choose_view(row, loop_count, options);
     describe_row(row);
-    return BAT_OK;
+    if (panel->surface != NULL && inspection->view != BAT_SURFACE_VIEW_SHADED)
+        status =
+            surface_row_inspect(row, inspection->view == BAT_SURFACE_VIEW_ZEBRA, parameters, &colours->most_curved, error);
+    if (status == BAT_OK && panel->distances != NULL && inspection->band_count > 0)
+        status = surface_row_sign(row, error);
+    free(parameters);
+    return status;
+}
+
+/// Add the bands to the legend, with the share of the points of all rows.
+static void add_bands(surface_scene *scene)
+{
+    const bat_surface_inspection *inspection = &scene->colours.inspection;
+    size_t points = 0, bands = 2 * inspection->band_count + 1, counts[2 * BAT_SURFACE_MAX_BANDS + 1] = {0};
+    for (size_t r = 0; r < scene->count; r++)
+        for (size_t i = 0; scene->rows[r].signed_distances != NULL && i < scene->rows[r].panel->cloud->count; i++, points++)
+            counts[surface_band_of(inspection, scene->rows[r].signed_distances[i])]++;
+    for (size_t k = 0; k < bands && points > 0; k++)
+    {
+        surface_band_label(inspection, k, (double)counts[k] / (double)points, scene->labels[k], sizeof scene->labels[k]);
+        legend_add(scene->items, &scene->item_count,
+                   (legend_item){.label = scene->labels[k],
+                                 .mark = LEGEND_DOT,
+                                 .line = {.colour = surface_band_colour(inspection, k)}});
+    }
 }
 
 /// The quantile of the distances of all points.
 static bat_status find_highest(const bat_surface_picture_row *rows, size_t count, double *highest, bat_error *error)
 {
-    size_t total = 0;
+    size_t total = 0, copied = 0;
     for (size_t r = 0; r < count; r++)
         total += rows[r].distances != NULL ? rows[r].cloud->count : 0;
     double *all = memory_array(total, sizeof *all);
     if (all == NULL)
         return error_memory(error, total * sizeof *all);
-    size_t copied = 0;
     for (size_t r = 0; r < count; r++)
         for (size_t i = 0; rows[r].distances != NULL && i < rows[r].cloud->count; i++)
             all[copied++] = rows[r].distances[i];
@@ -274,7 +316,7 @@ static void find_panels(const bat_surface_picture_row *rows, surface_scene *scen
     for (size_t r = 0; r < scene->count; r++)
     {
         has_boundary = has_boundary || (rows[r].cloud != NULL && rows[r].cloud->boundary_count > 0);
-        scene->has_errors = scene->has_errors || rows[r].distances != NULL;
+        scene->has_errors = scene->has_errors || (rows[r].distances != NULL && scene->colours.inspection.band_count == 0);
         scene->title_room = text_given(rows[r].title) ? TITLE_ROOM : scene->title_room;
     }
     if (has_boundary)
@@ -282,18 +324,22 @@ static void find_panels(const bat_surface_picture_row *rows, surface_scene *scen
                    (legend_item){.label = "boundary points", .mark = LEGEND_DOT, .line = {.colour = COLOUR_BOUNDARY_POINT}});
 }
 
-static bat_status scene_begin(const bat_surface_picture_row *rows, size_t count, const bat_surface_picture_options *options,
-                              surface_scene *scene, bat_error *error)
+static bat_status scene_begin(const bat_surface_picture_row *rows, size_t count, const bat_surface_inspection *inspection,
+                              const bat_surface_picture_options *options, surface_scene *scene, bat_error *error)
 {
-    *scene = (surface_scene){.rows = calloc(count, sizeof *scene->rows), .count = count, .highest = options->largest_error};
+    *scene = (surface_scene){.rows = calloc(count, sizeof *scene->rows),
+                             .count = count,
+                             .colours = {.inspection = *inspection, .highest = options->largest_error}};
     if (scene->rows == NULL)
         return error_memory(error, count * sizeof *scene->rows);
     find_panels(rows, scene);
     bat_status status = BAT_OK;
-    if (scene->highest == 0)
-        status = find_highest(rows, count, &scene->highest, error);
+    if (scene->colours.highest == 0)
+        status = find_highest(rows, count, &scene->colours.highest, error);
     for (size_t r = 0; r < count && status == BAT_OK; r++)
-        status = make_row(&rows[r], options, &scene->rows[r], error);
+        status = make_row(&rows[r], options, &scene->colours, &scene->rows[r], error);
+    if (status == BAT_OK && inspection->band_count > 0)
+        add_bands(scene);
     return status;
 }
 
@@ -343,13 +389,19 @@ static bat_status draw_panel(const void *context, cairo_t *cairo, size_t index, 
         return BAT_OK;
     if (kind_at(scene, index) == SURFACE_PANEL_PLANE)
         return surface_plane_draw(row, cairo, below, scene->per_point, error);
-    return surface_view_draw(row, kind_at(scene, index), scene->highest, cairo, below, scene->per_point, error);
+    return surface_view_draw(row, kind_at(scene, index), &scene->colours, cairo, below, scene->per_point, error);
 }
 
-static void draw_scale(const void *context, cairo_t *cairo, const double box[4])
+static void draw_scales(const void *context, cairo_t *cairo, const double box[4])
 {
     const surface_scene *scene = context;
-    colour_bar_draw(cairo, 0, scene->highest, "distance of points from the surface", box);
+    const surface_colours *colours = &scene->colours;
+    const double below[4] = {box[0], box[1] + (scene->has_errors ? colour_bar_height() : 0), box[2], box[3]};
+    if (scene->has_errors)
+        colour_bar_draw(cairo, colour_scale_at, 0, colours->highest, "distance of points from the surface", box);
+    if (colours->most_curved > 0)
+        colour_bar_draw(cairo, colour_scale_diverging, -colours->most_curved, colours->most_curved,
+                        "mean curvature, + bulges towards the viewer", below);
 }
 
 static bat_status write_scene(const char *path, const surface_scene *scene, int width, bat_error *error)
@@ -367,31 +419,46 @@ static bat_status write_scene(const char *path, const surface_scene *scene, int 
                              .height = panel_height,
                              .caption = panel_caption,
                              .draw = draw_panel,
-                             .footer_height = scene->has_errors ? colour_bar_height() : 0,
-                             .draw_footer = draw_scale};
+                             .footer_height = colour_bar_height() * (scene->has_errors + (scene->colours.most_curved > 0)),
+                             .draw_footer = draw_scales};
     return sheet_write(path, &content, error);
 }
 
 bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
                                      const bat_surface_picture_options *options, bat_error *error)
 {
+    return bat_surface_picture_inspect(path, rows, count, NULL, options, error);
+}
+
+bat_status bat_surface_picture_inspect(const char *path, const bat_surface_picture_row *rows, size_t count,
+                                       const bat_surface_inspection *inspection, const bat_surface_picture_options *options,
+                                       bat_error *error)
+{
+    static const bat_surface_inspection NONE;
     const bat_surface_picture_options defaults = bat_surface_picture_defaults();
     canvas_format format;
     if (path == NULL || rows == NULL || count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one row");
     options = options != NULL ? options : &defaults;
+    inspection = inspection != NULL ? inspection : &NONE;
     bat_status status = canvas_format_of(path, &format, error);
     if (status == BAT_OK)
         status = surface_picture_check(rows, count, options, error);
+    if (status == BAT_OK)
+        status = inspection_check(inspection, rows, count, error);
     if (status != BAT_OK)
         return status;
     surface_scene scene;
-    status = scene_begin(rows, count, options, &scene, error);
+    status = scene_begin(rows, count, inspection, options, &scene, error);
     scene.per_point = format == CANVAS_PNG ? PIXELS_PER_POINT : FINE_PIXELS_PER_POINT;
     if (status == BAT_OK)
         status = write_scene(path, &scene, options->width, error);
     for (size_t r = 0; scene.rows != NULL && r < scene.count; r++)
+    {
         bat_mesh_free(&scene.rows[r].patch);
+        free(scene.rows[r].values);
+        free(scene.rows[r].signed_distances);
+    }
     free(scene.rows);
     return status;
 }

@@ -28,6 +28,9 @@ typedef struct surface_row
     bat_mesh patch; ///< the triangulated surface; no faces without a surface
     mesh_view view;
     mesh_frame frame;
+    bool turned;              ///< the front is where -S_u x S_v points
+    double *values;           ///< of the vertices of the patch, for views that are not shaded
+    double *signed_distances; ///< of the points, positive in front; null without bands
     char captions[SURFACE_PANEL_KINDS][SURFACE_CAPTION_SIZE];
 } surface_row;
 
@@ -35,10 +38,16 @@ static const draw_colour COLOUR_BOUNDARY_POINT = {0.835, 0.369, 0.0};
 /// The size of boundary points relative to other points.
 #define BOUNDARY_POINT_GROWTH 1.35
 
+/// The colours of all rows.
+typedef struct surface_colours
+{
+    bat_surface_inspection inspection;
+    double highest, most_curved; ///< the ends of the colour scales of errors and of curvature
+} surface_colours;
+
 /// Draw a panel of a row into (x, y, width, height), with `per_point` pixels in a point.
-/// @param highest the end of the colour scale of errors
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status surface_view_draw(const surface_row *row, surface_panel_kind kind, double highest, cairo_t *cairo,
+bat_status surface_view_draw(const surface_row *row, surface_panel_kind kind, const surface_colours *colours, cairo_t *cairo,
                              const double box[4], double per_point, bat_error *error);
 bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
                               bat_error *error);
@@ -46,15 +55,18 @@ bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const doub
 /// Triangulate a surface for shading. The vertices are a grid of parameters, whose lines pass along the borders of the
 /// surface's cells, up to a number of lines. Boundary vertices come first, counter-clockwise from (0, 0).
 /// @param mesh       receives the triangles; release it with bat_mesh_free()
+/// @param parameters receives those of the vertices, from malloc()
 /// @param loop_count receives the number of boundary vertices
 /// @return BAT_OK, a failure of bat_spline_surface_evaluate(), or BAT_NO_MEMORY
-bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error);
+bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, double **parameters, size_t *loop_count,
+                              bat_error *error);
 
 /// Remove the triangles with a vertex outside of a box.
 void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3]);
 
 /// Orient the triangles so that their front faces `eye`; of a patch that is nearly closed, the outer side is the front.
-void surface_patch_turn(bat_mesh *mesh, const double eye[3]);
+/// @return whether they were turned over
+bool surface_patch_turn(bat_mesh *mesh, const double eye[3]);
 
 typedef struct patch_points
 {
@@ -89,3 +101,14 @@ double dot_radius(double area, size_t count, double per_point);
 void dots_sort(image_dot *dots, size_t count);
 /// Draw a disk with a soft edge.
 void dot_draw(const dot_image *image, double x, double y, double radius, draw_colour colour);
+
+/// The bands of signed distances, from the most positive one, 0, to 2 x band_count.
+size_t surface_band_of(const bat_surface_inspection *inspection, double distance);
+draw_colour surface_band_colour(const bat_surface_inspection *inspection, size_t band);
+/// @param share of the points in the band
+void surface_band_label(const bat_surface_inspection *inspection, size_t band, double share, char *label, size_t size);
+/// Find the signed distances of a row, and its caption.
+bat_status surface_row_sign(surface_row *row, bat_error *error);
+/// Find stripes or curvatures at the vertices of the patch, which have these parameters, and its caption.
+/// @param end raised to that of the scale of curvatures
+bat_status surface_row_inspect(surface_row *row, bool zebra, const double *parameters, double *end, bat_error *error);
