@@ -277,7 +277,8 @@ static int report_shell(const surface_job *job)
         (void)snprintf(fact, sizeof fact, "volume %.6g", report->volume);
     else
         (void)snprintf(fact, sizeof fact, "%zu boundary loops", report->holes);
-    return report_print(
+    const bat_surface_result known = {.noise = report->noise};
+    json_t *object = report_part(
         job->call.json,
         "{input}: {points} points, noise about {noise:.3g}\n"
         "{kind} shell of {faces} patches, {control} control points; {fact}\n"
@@ -293,6 +294,8 @@ static int report_shell(const surface_job *job)
         shell->cage.vertex_count, fact, report->rms, report->largest, report->held_out, report->normal_jump[1] * DEGREES,
         report->normal_jump[2] * DEGREES, report->volume, report->mesh_volume, report->pieces, report->holes, report->filled,
         report->dropped_pieces, (int)shell->closed, report->spacing, report->missed, report->cut_handles, report->crossings);
+    json_t *shape = surface_shape(&job->cloud, &known, job->call.json);
+    return report_whole(job->call.json, job->call.json ? report_add(object, "shape", shape) : NULL);
 }
 
 // A fit

@@ -302,6 +302,39 @@ static json_t *report_candidates(const surface_findings *findings, const char *r
     return table.rows;
 }
 
+/// What a shape's place is, and its axis.
+static const struct
+{
+    const char *name, *axis, *place;
+} SHAPES[] = {[BAT_SURFACE_PRIMITIVE_PLANE] = {"plane", "normal", "through"},
+              [BAT_SURFACE_PRIMITIVE_SPHERE] = {"sphere", "", "centre"},
+              [BAT_SURFACE_PRIMITIVE_CYLINDER] = {"cylinder", "axis", "through"},
+              [BAT_SURFACE_PRIMITIVE_CONE] = {"cone", "axis", "apex"}};
+
+json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, bool as_json)
+{
+    bat_surface_primitive shape;
+    if (cloud->points == NULL || bat_surface_find_primitive(cloud, result, &shape, report_error()) != BAT_OK ||
+        shape.kind == BAT_SURFACE_PRIMITIVE_NONE)
+        return as_json ? json_null() : NULL;
+    bool sphere = shape.kind == BAT_SURFACE_PRIMITIVE_SPHERE;
+    const double *at = shape.place, *axis = shape.axis;
+    return report_part(
+        as_json,
+        "the points lie on a {kind}[radius? of radius {radius:.6g} (s.d. {radius_deviation:.2g})][angle? of half-angle "
+        "{degrees:.6g} degrees (s.d. {degrees_deviation:.2g})][!sphere?, {line} {i:.6f} {j:.6f} {k:.6f} (s.d. {tilt:.2g} "
+        "degrees)], {where} {x:.7g} {y:.7g} {z:.7g}[place_deviation? (s.d. {place_deviation:.2g})]\n  their root mean "
+        "square distance {rms:.3g}, largest {largest:.3g}\n",
+        "kind:s -sphere:b -line:s -where:s -x:n -y:n -z:n -i:n -j:n -k:n place:o axis:o? radius:n? radius_deviation:n? "
+        "angle:n? angle_deviation:n? place_deviation:n? axis_deviation:n? -degrees:n -degrees_deviation:n -tilt:n rms:n "
+        "largest:n pattern:n",
+        SHAPES[shape.kind].name, (int)sphere, SHAPES[shape.kind].axis, SHAPES[shape.kind].place, at[0], at[1], at[2],
+        axis[0], axis[1], axis[2], report_numbers(at, 3), sphere ? json_null() : report_numbers(axis, 3), shape.radius,
+        shape.radius_deviation, shape.angle, shape.angle_deviation, shape.place_deviation, shape.axis_deviation,
+        shape.angle / DEGREE, shape.angle_deviation / DEGREE, shape.axis_deviation / DEGREE, shape.rms, shape.largest,
+        shape.pattern);
+}
+
 /// The notes of reading, and one on a noise that was told and contradicts the points.
 static json_t *report_notes(const surface_findings *findings, bool as_json)
 {
@@ -336,6 +369,7 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
         print_end(findings);
     if (!as_json)
         (void)printf("form: %s\n", form);
+    json_t *shape = surface_shape(findings->cloud, result, as_json);
     const bat_spline_trim *cuts = &result->surface.trim;
     json_t *trim = json_null();
     if (cuts->loop_count > 0)
@@ -358,12 +392,13 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
     if (!as_json)
         return NULL;
     const int *degree = findings->options->fit.space.degree;
-    return report_object("cloud:o chosen:s reason:s form:s gaps:o trial_points:z candidates:o degree:o rounds:o result:o "
-                         "reached:b moved:z outliers:z "
-                         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o notes:o",
-                         cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, form, gaps,
-                         result->trial_points, candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows,
-                         report_round(findings, report->count - 1, true), (int)report->reached, (size_t)report->moved,
-                         (size_t)report->outliers, folds_json(findings->cloud, &result->folds), held_out, result->noise,
-                         verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3), notes);
+    return report_object(
+        "cloud:o chosen:s reason:s form:s shape:o gaps:o trial_points:z candidates:o degree:o rounds:o result:o "
+        "reached:b moved:z outliers:z "
+        "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o notes:o",
+        cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, form, shape, gaps,
+        result->trial_points, candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows,
+        report_round(findings, report->count - 1, true), (int)report->reached, (size_t)report->moved,
+        (size_t)report->outliers, folds_json(findings->cloud, &result->folds), held_out, result->noise, verdict,
+        (int)result->below_noise, trim, report_numbers(result->seconds, 3), notes);
 }

@@ -183,6 +183,8 @@ typedef struct surface_findings
 #define SURFACE_VERDICT_SIZE 120
 /// The verdict in words, written into `text`: "right", "right, but ..." or "wrong: ...".
 const char *surface_verdict(const bat_surface_verdict *verdict, char text[SURFACE_VERDICT_SIZE]);
+/// Tell the simple shape that points lie on, where there is one; the null of JSON where there is none.
+json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, bool as_json);
 /// Print the report and return null, or return it as an object, which is null where memory ran out.
 json_t *surface_report(const surface_findings *findings, bool as_json);
 

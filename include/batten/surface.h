@@ -194,6 +194,36 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
                                            bat_surface_result *result, bat_error *error);
 
+/// Simple shapes.
+typedef enum bat_surface_primitive_kind
+{
+    BAT_SURFACE_PRIMITIVE_NONE,
+    BAT_SURFACE_PRIMITIVE_PLANE,
+    BAT_SURFACE_PRIMITIVE_SPHERE,
+    BAT_SURFACE_PRIMITIVE_CYLINDER,
+    BAT_SURFACE_PRIMITIVE_CONE
+} bat_surface_primitive_kind;
+
+/// A simple shape of least squared distance from points. Deviations are standard ones, for independent noise.
+typedef struct bat_surface_primitive
+{
+    bat_surface_primitive_kind kind;
+    double place[3];      ///< a point of the plane or the axis; the centre of a sphere, the apex of a cone
+    double axis[3];       ///< unit: the normal of a plane, the axis of a cylinder, that of a cone from its apex
+    double radius, angle; ///< of a sphere or cylinder; between the axis and the side of a cone; else NaN
+    double place_deviation, axis_deviation, radius_deviation, angle_deviation; ///< NaN where unknown; angles in radians
+    double rms, largest;                                                       ///< of the points' distances
+    double pattern; ///< how alike distances of neighbours are, in standard deviations of independent ones
+} bat_surface_primitive;
+
+/// Find the simplest shape that the points lie on: their distances are at most one standard error larger than those expected
+/// from the surface, without a pattern and outliers. More than 20,000 points are fitted in part.
+/// @param result of the cloud
+/// @param shape  BAT_SURFACE_PRIMITIVE_NONE where the points lie on none
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_surface_find_primitive(const bat_cloud *cloud, const bat_surface_result *result,
+                                              bat_surface_primitive *shape, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What the program tells of a scan beyond its surface: a noise that contradicts the points, and pictures.
+# What the program tells of a scan beyond its surface: simple shapes, a noise that contradicts the points, and pictures.
 # Usage: inspection.sh BATTEN
 set -u
 batten=$1
@@ -29,6 +29,14 @@ check "a noise ten times too small is told" grep -q '^note: --noise 0.001 contra
 check "a noise ten times too large is told in JSON" grep -q '"--noise 0.1 contradicts the points, whose noise is about 0.0' high.json
 "$batten" surface wave.xyz --noise 0.01 > right.txt
 check "a noise that agrees is not" sh -c '! grep -q contradicts right.txt'
+
+check "waves are no simple shape" sh -c '! grep -q "lie on" right.txt && grep -q "\"shape\": null" high.json'
+make 'printf "%.9g %.9g %.9g\n", 12.003 * sin(x) + n(.01), 9 * y + n(.01), 12.003 * cos(x) + n(.01)' > cylinder.xyz
+"$batten" surface cylinder.xyz > cylinder.txt
+check "a cylinder is told" grep -q 'the points lie on a cylinder of radius 12\.0[01]' cylinder.txt
+make 'r = sqrt(1 - y * y); printf "%.9g %.9g %.9g\n", 5 * r * cos(3.15 * x) + n(.01), 5 * r * sin(3.15 * x) + n(.01), 5 * y + n(.01)' > ball.xyz
+"$batten" surface ball.xyz --json > ball.json
+check "a closed sphere is told" sh -c 'grep -q "\"closed\": true" ball.json && grep -q "\"kind\": \"sphere\"" ball.json'
 
 "$batten" surface wave.xyz --functions 64 -o wave.json --picture plain.svg --quiet
 "$batten" surface wave.xyz --functions 64 --picture bands.svg --bands 0.01,0.02 --quiet
