@@ -77,9 +77,15 @@ BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_pictu
 /// @return BAT_OK, BAT_INVALID_ARGUMENT for an image without pixels, BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, bat_error *error);
 
+/// Read an image of a material: PNG by cairo; this, JPEG, WebP, TIFF and BMP by GDAL, where it is there.
+/// @param uri  a data URI in base64, or a file in the folder of `mesh` or below
+/// @param mesh the file of the mesh; null: only data URIs are read
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_UNSUPPORTED or BAT_NO_MEMORY; `image` is untouched on failure
+BAT_API bat_status bat_mesh_image_read(const char *uri, const char *mesh, bat_mesh_image *image, bat_error *error);
+
 /// Put baked images into the materials of all faces, for writing to glTF: `material_json` and the labels' materials. Faces
 /// without one get the material "baked". Where an atlas was made, the materials lose their own textures. The colours' bytes
-/// are taken for sRGB, as they are shown.
+/// are taken for sRGB, as they are shown. The vertices lose theirs, by which glTF would multiply them.
 /// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, bat_error *error);
 

@@ -93,6 +93,19 @@ BAT_API bat_status bat_mesh_bake(const bat_mesh_map *map, const bat_mesh *fine, 
                                  const bat_mesh_bake_options *options, bat_mesh_baked *baked, bat_error *error);
 BAT_API void bat_mesh_baked_free(bat_mesh_baked *baked);
 
+/// A source of colours, such as the images of materials.
+typedef struct bat_mesh_painter
+{
+    /// Sets the colour of a point of the fine mesh in bytes of sRGB. Several threads call it.
+    void (*paint)(const void *context, const bat_mesh_point *point, unsigned char colour[3]);
+    const void *context; ///< handed to `paint`
+} bat_mesh_painter;
+
+/// bat_mesh_bake() with colours from a painter; null: from the channels.
+BAT_API bat_status bat_mesh_bake_painted(const bat_mesh_map *map, const bat_mesh *fine, bat_mesh *coarse,
+                                         const bat_mesh_bake_options *options, const bat_mesh_painter *painter,
+                                         bat_mesh_baked *baked, bat_error *error);
+
 /// A tangent for each corner: the direction in which the first texture coordinate grows, perpendicular to the vertex normal.
 /// The fourth number is 1 or -1, the sign of the bitangent. Corners with the same vertex and texture coordinate have the
 /// same tangent.

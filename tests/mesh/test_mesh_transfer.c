@@ -205,6 +205,45 @@ static void test_images(void **state)
     pair_free(&pair);
 }
 
+static void paint_face(const void *context, const bat_mesh_point *point, unsigned char colour[3])
+{
+    colour[0] = (unsigned char)(point->face % 251);
+    colour[1] = *(const unsigned char *)context;
+    colour[2] = (unsigned char)(255 * point->barycentric[0]);
+}
+
+/// Colours come from a painter, at points all over the fine mesh, also where it has no colours of its own.
+static void test_painter(void **state)
+{
+    (void)state;
+    static const unsigned char mark = 77;
+    mesh_pair pair = pair_of(shape_sphere(20, 0, 1), 60);
+    const bat_mesh_painter painter = {paint_face, &mark};
+    bat_mesh_bake_options options = bat_mesh_bake_defaults();
+    bat_mesh_baked baked;
+    bat_error error;
+    options.unwrap.size = 128;
+    options.unwrap.padding = 1;
+    options.normal = false;
+    options.colour = true;
+    free(pair.fine.channel_names[0]);
+    pair.fine.channel_names[0] = strdup("weight");
+    assert_int_equal(bat_mesh_bake(pair.map, &pair.fine, &pair.coarse, &options, &baked, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_mesh_bake_painted(pair.map, &pair.fine, &pair.coarse, &options, &painter, &baked, &error), BAT_OK);
+    size_t marked = 0, faces = 0;
+    bool seen[251] = {0};
+    for (size_t i = 0; i < (size_t)128 * 128; i++)
+    {
+        const unsigned char *colour = baked.colour.pixels + 3 * i;
+        marked += colour[1] == mark;
+        faces += colour[1] == mark && !seen[colour[0]];
+        seen[colour[0]] = seen[colour[0]] || colour[1] == mark;
+    }
+    assert_true(marked >= baked.texels && faces == 251);
+    bat_mesh_baked_free(&baked);
+    pair_free(&pair);
+}
+
 /// Levels of detail have their numbers of faces and lie within one file, whose reader takes the first.
 static void test_levels(void **state)
 {
@@ -244,7 +283,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_values),   cmocka_unit_test(test_labels), cmocka_unit_test(test_atlas),
-        cmocka_unit_test(test_tangents), cmocka_unit_test(test_images), cmocka_unit_test(test_levels),
+        cmocka_unit_test(test_tangents), cmocka_unit_test(test_images), cmocka_unit_test(test_painter),
+        cmocka_unit_test(test_levels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,9 @@
 #include "base/memory.h"
 #include "draw/common/sheet.h"
 #include "io/common/base64.h"
-#include "io/common/json.h"
+#include "io/gis/gis.h"
+#include "io/mesh/gltf.h"
+#include "mesh/labels.h"
 
 #include <cairo.h>
 #include <string.h>
@@ -35,6 +37,58 @@ static bat_status append_png(const bat_mesh_image *image, text_buffer *bytes, ba
     cairo_status_t status = cairo_surface_write_to_png_stream(surface, append, bytes);
     cairo_surface_destroy(surface);
     return status == CAIRO_STATUS_SUCCESS ? BAT_OK : error_memory(error, 4 * image->width * image->height);
+}
+
+static cairo_status_t take(void *from, unsigned char *bytes, unsigned size)
+{
+    gltf_buffer *left = from;
+    if (left->size < size)
+        return CAIRO_STATUS_READ_ERROR;
+    memcpy(bytes, left->bytes, size);
+    left->bytes += size;
+    left->size -= size;
+    return CAIRO_STATUS_SUCCESS;
+}
+
+/// Decode PNG. Returns whether nothing is lost, as colours of transparent pixels are. No pixels: it cannot be decoded.
+static bool decode_png(gltf_buffer bytes, bat_mesh_image *image)
+{
+    cairo_surface_t *surface = cairo_image_surface_create_from_png_stream(take, &bytes);
+    cairo_format_t format = cairo_image_surface_get_format(surface);
+    bool opaque = format == CAIRO_FORMAT_RGB24, good = opaque || format == CAIRO_FORMAT_ARGB32;
+    const unsigned char *rows = good ? cairo_image_surface_get_data(surface) : NULL; // without padding
+    size_t width = (size_t)cairo_image_surface_get_width(surface), height = (size_t)cairo_image_surface_get_height(surface);
+    *image = (bat_mesh_image){rows != NULL ? memory_array(width * height, 3) : NULL, width, height};
+    for (size_t i = 0; i < width * height && image->pixels != NULL; i++)
+    {
+        uint32_t packed;
+        memcpy(&packed, rows + 4 * i, sizeof packed);
+        uint32_t alpha = opaque ? UINT8_MAX : packed >> 24, divisor = alpha > 0 ? alpha : 1;
+        for (uint32_t k = 0; k < 3; k++)
+            image->pixels[3 * i + k] =
+                (unsigned char)(((packed >> (16 - 8 * k) & UINT8_MAX) * UINT8_MAX + alpha / 2) / divisor);
+    }
+    cairo_surface_destroy(surface);
+    return opaque && image->pixels != NULL;
+}
+
+bat_status bat_mesh_image_read(const char *uri, const char *mesh, bat_mesh_image *image, bat_error *error)
+{
+    char excerpt[EXCERPT_SIZE];
+    gltf_buffer bytes = {0};
+    bat_error own = {0};
+    bat_mesh_image made;
+    bat_status status = gltf_bytes_read(mesh, uri, (gltf_place){"an image", SIZE_MAX}, &bytes, error);
+    if (status != BAT_OK)
+        return status;
+    if (!decode_png(bytes, &made) && gis_image_read(bytes.bytes, bytes.size, &made, &own) != BAT_OK && made.pixels == NULL)
+        status = own.status;
+    free(bytes.owned);
+    if (status != BAT_OK)
+        return error_set(error, status, BAT_NO_INDEX, 0, "the image '%s' is not read: %.160s; save it as PNG",
+                         text_excerpt(excerpt, uri, uri + strlen(uri)), own.text);
+    *image = made;
+    return BAT_OK;
 }
 
 bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, bat_error *error)
@@ -125,6 +179,26 @@ static bool define_materials(json_t *materials, bat_mesh *mesh)
     return room;
 }
 
+/// Leave out the colours of vertices.
+static void drop_colours(bat_mesh *mesh)
+{
+    size_t places[MESH_COLOURS], count = mesh->channel_count, colours = mesh_colours(mesh, places), kept = 0;
+    for (size_t i = 0; i < (mesh->vertex_count + 1) * count; i++)
+    {
+        bool names = i >= mesh->vertex_count * count, colour = false;
+        kept = i == mesh->vertex_count * count ? 0 : kept;
+        for (size_t k = 0; k < colours; k++)
+            colour = colour || places[k] == i % count;
+        if (names && colour)
+            free(mesh->channel_names[i % count]);
+        else if (names)
+            mesh->channel_names[kept++] = mesh->channel_names[i % count];
+        else if (!colour)
+            mesh->channels[kept++] = mesh->channels[i];
+    }
+    mesh->channel_count = kept;
+}
+
 bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, bat_error *error)
 {
     static const char *const keys[] = {"baseColorTexture", "normalTexture", "occlusionTexture"};
@@ -160,6 +234,8 @@ bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, ba
     json_decref(root);
     if (text == NULL)
         return error_memory(error, mesh->face_count);
+    if (baked->colour.pixels != NULL) // glTF multiplies both
+        drop_colours(mesh);
     free(mesh->material_json);
     mesh->material_json = text;
     return BAT_OK;

@@ -19,7 +19,8 @@
 #define GDAL_FUNCTIONS(X) \
     X(CPLBinaryToHex) X(CPLGetErrorHandlerUserData) X(CPLHexToBinary) X(CPLIsUTF8) X(CPLPopErrorHandler) \
     X(CPLPushErrorHandlerEx) X(CPLRecode) X(CPLSetThreadLocalConfigOption) X(CSLDestroy) X(CSLSetNameValue) X(CSLTokenizeString2) X(GDALAllRegister) \
-    X(GDALClose) X(GDALCreate) X(GDALDatasetCreateLayer) X(GDALDatasetGetLayer) X(GDALDatasetGetLayerByName) \
+    X(GDALClose) X(GDALCreate) X(GDALDatasetRasterIO) X(GDALGetRasterBand) X(GDALGetRasterColorTable) X(GDALGetRasterCount) \
+    X(GDALGetRasterDataType) X(GDALGetRasterXSize) X(GDALGetRasterYSize) X(VSIFileFromMemBuffer) X(VSIUnlink) X(GDALDatasetCreateLayer) X(GDALDatasetGetLayer) X(GDALDatasetGetLayerByName) \
     X(GDALDatasetGetLayerCount) X(GDALGetDatasetDriver) X(GDALGetDriver) X(GDALGetDriverByName) X(GDALGetDriverCount) \
     X(GDALGetDriverShortName) X(GDALGetMetadataItem) X(GDALIdentifyDriverEx) X(GDALOpenEx) X(OCTDestroyCoordinateTransformation) \
     X(OCTNewCoordinateTransformation) X(OCTTransformEx) X(OGR_FD_GetFieldCount) X(OGR_FD_GetFieldDefn) \

@@ -2,6 +2,7 @@
 
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
+#include "batten/mesh_transfer.h"
 #include "io/common/file_text.h"
 
 #include <string.h>
@@ -56,3 +57,6 @@ typedef enum gis_target
 /// Make a set of the transformed curves, which shares the attributes.
 bat_status gis_transform(const bat_curve_set *set, const char *crs, gis_target target, bat_curve_set *result,
                          bat_error *error);
+
+/// Decode a JPEG, PNG, WebP, TIFF or BMP of 8 bits a channel without a palette, in place of the pixels that there are.
+bat_status gis_image_read(const void *bytes, size_t size, bat_mesh_image *image, bat_error *error);

@@ -44,3 +44,9 @@ bat_status gis_transform(const bat_curve_set *set BAT_UNUSED, const char *crs BA
 {
     return missing(error);
 }
+
+bat_status gis_image_read(const void *bytes BAT_UNUSED, size_t size BAT_UNUSED, bat_mesh_image *image BAT_UNUSED,
+                          bat_error *error)
+{
+    return missing(error);
+}

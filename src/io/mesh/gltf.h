@@ -85,6 +85,9 @@ bat_status gltf_element(const gltf_document *document, const char *array, const 
 /// @return BAT_OK, or BAT_BAD_FILE for another value
 bat_status gltf_array(const json_t *object, const char *key, gltf_place place, const json_t **array, bat_error *error);
 
+/// Read what a URI names: its own data, or a file in the folder of the file `own` or below it. free() releases `owned`.
+bat_status gltf_bytes_read(const char *own, const char *uri, gltf_place place, gltf_buffer *buffer, bat_error *error);
+
 /// The bytes of a buffer view.
 typedef struct gltf_view
 {

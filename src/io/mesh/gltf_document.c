@@ -220,20 +220,19 @@ void gltf_close(gltf_document *document)
 // Buffers
 
 /// Decode a data URI after "data:".
-static bat_status decode_data(const char *uri, size_t index, gltf_buffer *buffer, bat_error *error)
+static bat_status decode_data(const char *uri, gltf_place place, gltf_buffer *buffer, bat_error *error)
 {
     const char *comma = strchr(uri, ',');
     static const char encoding[] = ";base64";
     size_t size = sizeof encoding - 1;
     if (comma == NULL || (size_t)(comma - uri) < size || memcmp(comma - size, encoding, size) != 0)
-        return gltf_fault((gltf_place){"buffer", index}, error, "its data URI is not in base64");
+        return gltf_fault(place, error, "its data URI is not in base64");
     text_buffer bytes = {0};
     bool decoded = base64_decode(&bytes, comma + 1, strlen(comma + 1));
     if (!decoded || bytes.failed)
     {
         text_free(&bytes);
-        return decoded ? error_memory(error, strlen(uri))
-                       : gltf_fault((gltf_place){"buffer", index}, error, "its data URI is invalid base64");
+        return decoded ? error_memory(error, strlen(uri)) : gltf_fault(place, error, "its data URI is invalid base64");
     }
     *buffer = (gltf_buffer){(const unsigned char *)bytes.data, bytes.size, bytes.data};
     return BAT_OK;
@@ -277,13 +276,11 @@ static bool stays_below(const char *path)
     return true;
 }
 
-/// Read the file of a buffer, which is in the folder of the glTF file or below it.
-static bat_status read_file(const gltf_document *document, const char *uri, size_t index, gltf_buffer *buffer,
-                            bat_error *error)
+bat_status gltf_bytes_read(const char *own, const char *uri, gltf_place place, gltf_buffer *buffer, bat_error *error)
 {
     char excerpt[EXCERPT_SIZE];
-    gltf_place place = {"buffer", index};
-    const char *own = document->text->path;
+    if (strncmp(uri, "data:", 5) == 0)
+        return decode_data(uri + 5, place, buffer, error);
     (void)text_excerpt(excerpt, uri, uri + strlen(uri));
     if (own == NULL || strcmp(own, "-") == 0)
         return gltf_fault(place, error, "its file '%s' cannot be found from bytes without a folder", excerpt);
@@ -297,7 +294,7 @@ static bat_status read_file(const gltf_document *document, const char *uri, size
     if (path.failed)
         status = error_memory(error, path.size);
     else if (!plain || !stays_below(path.data + folder))
-        status = gltf_fault(place, error, "'%s' is no file in the folder of the glTF file or below", excerpt);
+        status = gltf_fault(place, error, "'%s' is no file in the folder of the mesh or below", excerpt);
     else
     {
         status = file_bytes_read(path.data, FILE_MAX_BYTES, &bytes, error);
@@ -305,7 +302,9 @@ static bat_status read_file(const gltf_document *document, const char *uri, size
         {
             char reason[BAT_ERROR_TEXT_SIZE / 2];
             (void)snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, error != NULL ? error->text : "");
-            status = error_set(error, status, BAT_NO_INDEX, 0, "buffer %zu: its file '%s': %s", index, excerpt, reason);
+            (void)gltf_fault(place, error, "its file '%s': %s", excerpt, reason);
+            if (error != NULL)
+                error->status = status;
         }
     }
     text_free(&path);
@@ -341,10 +340,8 @@ static bat_status load_buffer(gltf_document *document, size_t index, gltf_buffer
         buffer = (gltf_buffer){document->chunk, document->chunk_size, NULL};
     else if (!json_is_string(uri))
         status = gltf_fault(place, error, "it has neither 'uri' nor a binary chunk");
-    else if (strncmp(json_string_value(uri), "data:", 5) == 0)
-        status = decode_data(json_string_value(uri) + 5, index, &buffer, error);
     else
-        status = read_file(document, json_string_value(uri), index, &buffer, error);
+        status = gltf_bytes_read(document->text->path, json_string_value(uri), place, &buffer, error);
     if (status == BAT_OK && buffer.size < size)
         status = gltf_fault(place, error, "it has %zu bytes instead of %zu", buffer.size, size);
     if (status != BAT_OK)

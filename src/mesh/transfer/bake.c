@@ -54,6 +54,7 @@ typedef struct baking
     double *tangents;     ///< of the coarse mesh's corners
     double *open;         ///< for each fine vertex: the share of directions without an occluder; null for none
     size_t colour_places[MESH_COLOURS];
+    const bat_mesh_painter *painter; ///< of colours; null: the channels
     bat_mesh_baked *baked;
 } baking;
 
@@ -212,7 +213,9 @@ static bat_status bake_row(const baking *all, size_t y, bat_mesh_point *points, 
         normal_at(all, point, normal);
         if (all->baked->normal.pixels != NULL)
             *most = fmax(*most, encode_normal(all, owner[x], weights, normal, all->baked->normal.pixels + at));
-        for (size_t k = 0; k < CHANNELS && all->baked->colour.pixels != NULL; k++)
+        if (all->baked->colour.pixels != NULL && all->painter != NULL)
+            all->painter->paint(all->painter->context, point, all->baked->colour.pixels + at);
+        for (size_t k = 0; k < CHANNELS && all->baked->colour.pixels != NULL && all->painter == NULL; k++)
             all->baked->colour.pixels[at + k] = byte_of(
                 map_value_at(all->fine, all->fine->channels + all->colour_places[k], all->fine->channel_count, point));
         if (all->baked->occlusion.pixels != NULL)
@@ -401,13 +404,21 @@ static bat_status bake(baking *all, bat_mesh *coarse, memory_pool *pool, bat_err
 bat_status bat_mesh_bake(const bat_mesh_map *map, const bat_mesh *fine, bat_mesh *coarse,
                          const bat_mesh_bake_options *options, bat_mesh_baked *baked, bat_error *error)
 {
+    return bat_mesh_bake_painted(map, fine, coarse, options, NULL, baked, error);
+}
+
+bat_status bat_mesh_bake_painted(const bat_mesh_map *map, const bat_mesh *fine, bat_mesh *coarse,
+                                 const bat_mesh_bake_options *options, const bat_mesh_painter *painter,
+                                 bat_mesh_baked *baked, bat_error *error)
+{
     const bat_mesh_bake_options defaults = bat_mesh_bake_defaults();
     bat_mesh_baked made = {0};
     memory_pool pool = {0};
     bat_mesh shape = {0};
-    baking all = {.map = map, .fine = fine, .options = options != NULL ? options : &defaults, .baked = &made};
+    baking all = {.map = map, .fine = fine, .painter = painter, .baked = &made};
+    all.options = options != NULL ? options : &defaults;
     bat_status status = bat_options_check(&bat_mesh_bake_fields, all.options, error);
-    if (status == BAT_OK && all.options->colour && mesh_colours(fine, all.colour_places) == 0)
+    if (status == BAT_OK && all.options->colour && painter == NULL && mesh_colours(fine, all.colour_places) == 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fine mesh has no colours");
     if (status == BAT_OK)
         status = bat_mesh_copy(coarse, &shape, error);
