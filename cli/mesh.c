@@ -1,3 +1,4 @@
+#include "paint.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -46,6 +47,7 @@ typedef struct mesh_job
     const char *bake_files[3]; ///< of BAKED; null for none
     bat_mesh_bake_options bake;
     bat_mesh_baked baked;
+    mesh_paints *paints;   ///< the colours of materials of IN; null for none
     const char *lods_text; ///< null for none
     double lod_shares[MAX_LODS], lod_distances[MAX_LODS];
     bat_mesh lods[MAX_LODS];
@@ -140,6 +142,7 @@ static void end(void *of)
     bat_mesh_model_free(job->model);
     bat_mesh_map_free(job->map);
     bat_mesh_baked_free(&job->baked);
+    mesh_paints_free(job->paints);
     free(job->bake_parts);
     for (size_t i = 0; i < MAX_LODS; i++)
         bat_mesh_free(&job->lods[i]);
@@ -448,7 +451,8 @@ static const option_spec DECIMATE_OPTIONS[] = {
      "theirs",
      FLAG(mesh_job, transfer)},
     {"bake", "KIND=FILE,...", RESULT, COMMON,
-     "bake normal, color and occlusion of IN into PNG files, by the texture of OUT or an atlas; OUT as glTF holds them, too",
+     "bake normal, color (of materials with their images, else of vertices) and occlusion of IN into PNG files, by the "
+     "texture of OUT or an atlas; OUT as glTF holds them, too",
      TEXT(mesh_job, bake_text)},
     {"size", "N", RESULT, 0, "the texels along a side of baked images; default 1024",
      WHOLE(mesh_job, bake.unwrap.size, 16, 16384)},
@@ -561,6 +565,59 @@ static bool check_decimation(void *of)
     return usage_accepts(given, bat_options_check(&bat_mesh_decimate_fields, options, report_error())) && check_files(job);
 }
 
+/// Note that the images of materials are lost where an atlas replaces their texture coordinates.
+static bool note_images(mesh_job *job)
+{
+    static const char note[] = "images of materials are left out but for baked ones: an atlas replaces the texture "
+                               "coordinates, which overlap or leave the unit square; without --bake they stay";
+    json_t *materials = job->made.material_json != NULL ? json_loads(job->made.material_json, 0, NULL) : NULL;
+    bool lost =
+        job->baked.charts > 0 && job->given.texture != NULL && json_array_size(json_object_get(materials, "images")) > 0;
+    json_decref(materials);
+    return !lost || add_file_note(&job->notes, note);
+}
+
+/// Whether the result is written as glTF.
+static bool writes_gltf(const mesh_job *job)
+{
+    const bat_choice *row = NULL;
+    int format = (int)job->write.format;
+    if (format == BAT_MESH_FORMAT_AUTO)
+        (void)bat_choice_of_path(&bat_mesh_format_family, job->call.output, true, &row, NULL);
+    format = row != NULL ? row->value : format;
+    return format == BAT_MESH_FORMAT_GLTF || format == BAT_MESH_FORMAT_GLB;
+}
+
+/// Bake the images, write their files, and put them into the materials of the result.
+static int bake(mesh_job *job)
+{
+    const bat_mesh_image *const images[3] = {&job->baked.normal, &job->baked.colour, &job->baked.occlusion};
+    job->bake.threads = job->call.threads;
+    bat_status status = BAT_OK;
+    if (job->bake.colour)
+        status = mesh_paints_read(&job->given, job->call.input, job->bake.unwrap.size, &job->paints, report_error());
+    const bat_mesh_painter painter = {mesh_paints_at, job->paints};
+    if (status == BAT_OK)
+        status = bat_mesh_bake_painted(job->map, &job->given, &job->made, &job->bake, job->paints != NULL ? &painter : NULL,
+                                       &job->baked, report_error());
+    int code = report_status(job->call.given, job->call.input, status);
+    for (size_t k = 0; k < 3 && code == EXIT_DONE; k++)
+    {
+        const char *path;
+        if (job->bake_files[k] == NULL)
+            continue;
+        code = report_status(NULL, job->bake_files[k],
+                             bat_outputs_add(job->call.files.files, job->bake_files[k], &path, report_error()));
+        if (code == EXIT_DONE)
+            code = report_status(NULL, job->bake_files[k], bat_mesh_image_write(path, images[k], report_error()));
+    }
+    if (code == EXIT_DONE && ((job->paints != NULL && !mesh_paints_reset(&job->made)) || !note_images(job)))
+        code = report_failure(job->call.output, &(bat_error){.text = "out of memory"});
+    if (code == EXIT_DONE && writes_gltf(job))
+        code = report_status(NULL, job->call.output, bat_mesh_baked_attach(&job->baked, &job->made, report_error()));
+    return code;
+}
+
 /// Make the chain of --lods: its first mesh is the result.
 static int make_lods(mesh_job *job, const bat_mesh_decimate_options *options)
 {
@@ -575,42 +632,6 @@ static int make_lods(mesh_job *job, const bat_mesh_decimate_options *options)
     memmove(job->lod_distances, job->lod_distances + 1, (MAX_LODS - 1) * sizeof *job->lod_distances);
     job->lod_count--;
     return EXIT_DONE;
-}
-
-/// Note that the images of materials are lost where an atlas replaces their texture coordinates.
-static bool note_images(mesh_job *job)
-{
-    static const char note[] = "the images of materials are left out: an atlas replaces the texture coordinates, which "
-                               "overlap or leave the unit square; without --bake they stay";
-    json_t *materials = job->made.material_json != NULL ? json_loads(job->made.material_json, 0, NULL) : NULL;
-    bool lost =
-        job->baked.charts > 0 && job->given.texture != NULL && json_array_size(json_object_get(materials, "images")) > 0;
-    json_decref(materials);
-    return !lost || add_file_note(&job->notes, note);
-}
-
-/// Bake the images, write their files, and put them into the materials of the result.
-static int bake(mesh_job *job)
-{
-    const bat_mesh_image *const images[3] = {&job->baked.normal, &job->baked.colour, &job->baked.occlusion};
-    job->bake.threads = job->call.threads;
-    int code = report_status(job->call.given, job->call.input,
-                             bat_mesh_bake(job->map, &job->given, &job->made, &job->bake, &job->baked, report_error()));
-    for (size_t k = 0; k < 3 && code == EXIT_DONE; k++)
-    {
-        const char *path;
-        if (job->bake_files[k] == NULL)
-            continue;
-        code = report_status(NULL, job->bake_files[k],
-                             bat_outputs_add(job->call.files.files, job->bake_files[k], &path, report_error()));
-        if (code == EXIT_DONE)
-            code = report_status(NULL, job->bake_files[k], bat_mesh_image_write(path, images[k], report_error()));
-    }
-    if (code == EXIT_DONE && !note_images(job))
-        code = report_failure(job->call.output, &(bat_error){.text = "out of memory"});
-    if (code == EXIT_DONE)
-        code = report_status(NULL, job->call.output, bat_mesh_baked_attach(&job->baked, &job->made, report_error()));
-    return code;
 }
 
 static int make_decimation(void *of)

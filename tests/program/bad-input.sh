@@ -400,6 +400,13 @@ refused 2 '--bake' decimate quad.in.obj -o out.csv --to obj --vertices 3 --bake 
 refused 2 '--lods' decimate quad.in.obj -o out.csv --to obj --lods 0.5,0.7
 refused 2 '--map needs one mesh' decimate quad.in.obj -o out.csv --to obj --lods 0.5 --map out.map
 refused 1 'no colours' decimate quad.in.obj -o out.csv --to obj --faces 2 --bake color
+printf 'mtllib lost.in.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n' > lost.in.obj
+refused 1 'materials lost.in.mtl: .*beside the mesh' decimate lost.in.obj -o out.csv --to obj --faces 1 --bake color
+printf 'newmtl skin\nmap_Kd lost.in.png\n' > lost.in.mtl
+refused 1 "file 'lost.in.png': .*without color" decimate lost.in.obj -o out.csv --to obj --faces 1 --bake color
+printf 'no image' > lost.in.png
+refused 1 "'lost.in.png' is not read: .*save it as PNG" decimate lost.in.obj -o out.csv --to obj --faces 1 --bake color
+rm lost.in.mtl lost.in.png
 refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' decimate fins.in.obj --strict -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 

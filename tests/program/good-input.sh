@@ -305,10 +305,20 @@ check "the report tells how far they are" json decimate.json '"normal_turn": [0-
     printf '%s' '"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"mode":5,"material":0}]}]}'
 } > wall.gltf
 "$batten" decimate wall.gltf -o again.gltf --faces 2 --bake normal --size 32 > notes.txt
-check "a note tells that an atlas costs a material its images" grep -q '^note: the images of materials are left out: an atlas' notes.txt
+check "a note tells that an atlas costs a material its images" grep -q '^note: images of materials are left out but for baked ones: an atlas' notes.txt
 check "the material keeps its name" grep -q '"name":"wall"' again.gltf
 "$batten" decimate torus.obj -o chain.gltf --lods 1,0.5,0.25 > /dev/null
 check "levels of detail are in one file" grep -q '"MSFT_lod":{"ids":\[1,2\]}' chain.gltf
+{
+    printf 'mtllib skin.mtl\nusemtl skin\n'
+    cat torus.obj
+} > skin.obj
+printf 'newmtl bone\nKd 1 0 0\nnewmtl skin\nKd 0 0 0\nmap_Kd -clamp on -s 1 1 1 normal.png\n' > skin.mtl
+"$batten" decimate skin.obj -o skin.gltf --ratio 0.5 --bake color=skin.png --size 128 > /dev/null
+check "the image of a material is baked into one of the same colours" test "$(wc -c < skin.png)" -gt 2000
+printf 'v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\nv 1 1 0 0 0 1\nf 1 2 3\nf 2 4 3\n' > painted.obj
+"$batten" decimate painted.obj -o painted.gltf --faces 2 --bake color --size 32 > /dev/null
+check "baked colours replace those of the vertices" sh -c 'grep -q baseColorTexture painted.gltf && ! grep -q COLOR_0 painted.gltf'
 "$batten" decimate fins.obj -o again.obj --vertices 9 > notes.txt
 check "what is harmless is repaired with a note" grep -q '^note: repaired: 1 edges of more than two faces' notes.txt
 printf 'v 0 0 0 1 1 nan\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\nf 1 1 2\n' > odd.obj
