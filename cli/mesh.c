@@ -457,7 +457,8 @@ static const option_spec DECIMATE_OPTIONS[] = {
     {"size", "N", RESULT, 0, "the texels along a side of baked images; default 1024",
      WHOLE(mesh_job, bake.unwrap.size, 16, 16384)},
     {"lods", "R,...", RESULT, COMMON,
-     "write a chain of levels of detail into a glTF file: shares of the faces, as 1,0.5,0.25", TEXT(mesh_job, lods_text)},
+     "write a chain of levels of detail into a glTF file: shares of the faces, as 1,0.5,0.25; what is baked serves all",
+     TEXT(mesh_job, lods_text)},
     END_OF_OPTIONS,
 };
 
@@ -555,9 +556,8 @@ static bool check_decimation(void *of)
         return usage_refused(given, "--seed needs --random K");
     if (find_target(given) == NULL || !read_tolerance(given, options) || !read_bake(job) || !read_lods(job))
         return false;
-    static const char *const of_one[] = {"map", "transfer", "bake", NULL};
-    if (job->lod_count > 0 && argument_first(given, of_one) != NULL)
-        return usage_refused(given, "--%s needs one mesh, and --lods makes several", argument_first(given, of_one));
+    if (job->lod_count > 0 && job->map_file != NULL)
+        return usage_refused(given, "--map needs one mesh, and --lods makes several");
     if (argument(given, "size") != NULL && job->bake_text == NULL)
         return usage_refused(given, "--size needs --bake");
     if (argument(given, "ratio") != NULL && !(options->ratio > 0 && options->ratio <= 1))
@@ -618,8 +618,16 @@ static int bake(mesh_job *job)
     return code;
 }
 
+/// Decimate a mesh, and carry over what --transfer wants. `*map` receives the map, unless it is null.
+static bat_status decimate(mesh_job *job, const bat_mesh *fine, const bat_mesh_decimate_options *options, bat_mesh *made,
+                           bat_mesh_map **map, double **normals)
+{
+    bat_status status = bat_mesh_decimate(fine, options, made, map, report_error());
+    return status == BAT_OK && job->transfer ? bat_mesh_transfer(*map, fine, made, normals, report_error()) : status;
+}
+
 /// Make the chain of --lods: its first mesh is the result.
-static int make_lods(mesh_job *job, const bat_mesh_decimate_options *options)
+static int make_plain_lods(mesh_job *job, const bat_mesh_decimate_options *options)
 {
     int code = report_status(
         job->call.given, job->call.input,
@@ -634,6 +642,29 @@ static int make_lods(mesh_job *job, const bat_mesh_decimate_options *options)
     return EXIT_DONE;
 }
 
+/// Make the further levels of --lods of the result. They carry its values and its texture coordinates, so that what is
+/// baked serves them, too.
+static int make_further_lods(mesh_job *job, const bat_mesh_decimate_options *given)
+{
+    bat_mesh_decimate_options options = *given;
+    bat_status status = BAT_OK;
+    job->lod_count--;
+    options.ratio = 0;
+    for (size_t i = 0; i < job->lod_count && status == BAT_OK; i++)
+    {
+        const bat_mesh *before = i > 0 ? &job->lods[i - 1] : &job->made;
+        bat_mesh_map *map = NULL;
+        bat_mesh_distance distance = {0};
+        options.faces = (size_t)fmax(1, round(job->lod_shares[i + 1] * (double)job->given.face_count));
+        status = decimate(job, before, &options, &job->lods[i], job->transfer ? &map : NULL, NULL);
+        bat_mesh_map_free(map);
+        if (status == BAT_OK)
+            status = bat_mesh_compare(&job->lods[i], &job->given, NULL, &distance, report_error());
+        job->lod_distances[i] = distance.hausdorff;
+    }
+    return report_status(job->call.given, job->call.input, status);
+}
+
 static int make_decimation(void *of)
 {
     mesh_job *job = of;
@@ -642,19 +673,20 @@ static int make_decimation(void *of)
     bat_mesh_decimate_options options = job->decimate;
     options.progress = report_progress("decimating");
     options.distance = &job->distance;
+    bool with_map = job->map_file != NULL || job->transfer || job->bake_text != NULL;
+    if (job->lod_count > 0 && !with_map)
+        return make_plain_lods(job, &options);
     if (job->lod_count > 0)
-        return make_lods(job, &options);
-    bat_mesh_map **map = job->map_file != NULL || job->transfer || job->bake_text != NULL ? &job->map : NULL;
+        options.ratio = job->lod_shares[0];
     int code = report_status(job->call.given, job->call.input,
-                             bat_mesh_decimate(&job->given, &options, &job->made, map, report_error()));
+                             decimate(job, &job->given, &options, &job->made, with_map ? &job->map : NULL,
+                                      job->normals ? &job->limit_normals : NULL));
     if (code == EXIT_DONE && job->map_file != NULL)
         code = report_status(NULL, job->map_file,
-                             bat_mesh_map_write(output_path(&job->call.files, "map"), *map, report_error()));
-    if (code == EXIT_DONE && job->transfer)
-        code = report_status(
-            job->call.given, job->call.input,
-            bat_mesh_transfer(*map, &job->given, &job->made, job->normals ? &job->limit_normals : NULL, report_error()));
-    return code == EXIT_DONE && job->bake_text != NULL ? bake(job) : code;
+                             bat_mesh_map_write(output_path(&job->call.files, "map"), job->map, report_error()));
+    if (code == EXIT_DONE && job->bake_text != NULL)
+        code = bake(job);
+    return code == EXIT_DONE && job->lod_count > 0 ? make_further_lods(job, &options) : code;
 }
 
 /// Whether the result has as few vertices or faces as wanted.

@@ -314,8 +314,9 @@ check "levels of detail are in one file" grep -q '"MSFT_lod":{"ids":\[1,2\]}' ch
     cat torus.obj
 } > skin.obj
 printf 'newmtl bone\nKd 1 0 0\nnewmtl skin\nKd 0 0 0\nmap_Kd -clamp on -s 1 1 1 normal.png\n' > skin.mtl
-"$batten" decimate skin.obj -o skin.gltf --ratio 0.5 --bake color=skin.png --size 128 > /dev/null
+"$batten" decimate skin.obj -o skin.gltf --lods 0.5,0.25 --transfer --bake color=skin.png --size 128 > /dev/null
 check "the image of a material is baked into one of the same colours" test "$(wc -c < skin.png)" -gt 2000
+check "and serves all levels" sh -c 'grep -q "MSFT_lod" skin.gltf && test "$(grep -o TEXCOORD_0 skin.gltf | wc -l)" = 2'
 printf 'v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\nv 1 1 0 0 0 1\nf 1 2 3\nf 2 4 3\n' > painted.obj
 "$batten" decimate painted.obj -o painted.gltf --faces 2 --bake color --size 32 > /dev/null
 check "baked colours replace those of the vertices" sh -c 'grep -q baseColorTexture painted.gltf && ! grep -q COLOR_0 painted.gltf'
