@@ -153,7 +153,7 @@ static void end(void *of)
 static const option_spec REFINE_OPTIONS[] = {
     {"scheme", "NAME", METHOD, COMMON,
      "{}; default auto: catmull-clark for mostly quads or other polygons, loop for meshes with creases or corners, and of "
-     "fewer than 100 faces but solids of flat faces, else learned",
+     "fewer than 100 faces but solids and cones, else learned",
      CHOICE(mesh_job, refine.scheme, bat_mesh_scheme_family)},
     {"levels", "K", METHOD, COMMON, "how often to refine; default 2", WHOLE(mesh_job, refine.levels, 0, MAX_LEVELS)},
     {"tolerance", "E", METHOD, COMMON,

@@ -386,6 +386,45 @@ static void cages_are_no_solids(void **state)
     }
 }
 
+/// An open cone of one row of triangles around its apex.
+static bat_mesh make_cone(uint32_t sides)
+{
+    bat_mesh mesh = {.vertex_count = sides + 1, .face_count = sides};
+    mesh.positions = calloc(mesh.vertex_count, 3 * sizeof *mesh.positions);
+    mesh.faces = calloc(sides, 3 * sizeof *mesh.faces);
+    mesh.positions[2] = 2;
+    for (uint32_t i = 0; i < sides; i++)
+    {
+        mesh.positions[3 * i + 3] = cos(2 * PI * i / sides);
+        mesh.positions[3 * i + 4] = sin(2 * PI * i / sides);
+        mesh.faces[3 * i + 1] = i + 1;
+        mesh.faces[3 * i + 2] = (i + 1) % sides + 1;
+    }
+    return mesh;
+}
+
+/// Cones of few faces are no cages: the default is much nearer to the cone than Loop's scheme, which cuts its apex off.
+static void cones_are_no_cages(void **state)
+{
+    (void)state;
+    bat_mesh truth = make_cone(256);
+    for (uint32_t sides = 10; sides < 80; sides += 23)
+    {
+        bat_mesh coarse = make_cone(sides);
+        bat_mesh_distance distances[2];
+        assert_int_equal(bat_mesh_scheme_for(&coarse), BAT_MESH_SCHEME_LEARNED);
+        for (int i = 0; i < 2; i++)
+        {
+            bat_mesh fine = refined(&coarse, i == 0 ? BAT_MESH_SCHEME_AUTO : BAT_MESH_SCHEME_LOOP, NULL, 2, false);
+            assert_int_equal(bat_mesh_compare(&fine, &truth, NULL, &distances[i], NULL), BAT_OK);
+            bat_mesh_free(&fine);
+        }
+        assert_true(distances[0].mean < 0.25 * distances[1].mean && distances[0].hausdorff < 0.5 * distances[1].hausdorff);
+        bat_mesh_free(&coarse);
+    }
+    bat_mesh_free(&truth);
+}
+
 /// Adaptive refinement takes Loop's scheme with the sharp edges of a solid; a named crease angle takes their place.
 static void adaptive_refinement_keeps_sharp_edges(void **state)
 {
@@ -414,6 +453,7 @@ int main(void)
         cmocka_unit_test(solids_are_found_by_their_angles),
         cmocka_unit_test(moves_are_bounded),
         cmocka_unit_test(cages_are_no_solids),
+        cmocka_unit_test(cones_are_no_cages),
         cmocka_unit_test(adaptive_refinement_keeps_sharp_edges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

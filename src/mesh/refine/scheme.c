@@ -30,7 +30,7 @@ static const mesh_scheme SCHEMES[] = {
          {.name = "auto",
           .summary =
               "the default: catmull-clark for meshes of mostly quads or other polygons, loop for meshes with creases or "
-              "corners, and of fewer than 100 faces but solids of flat faces, else learned",
+              "corners, and of fewer than 100 faces but solids and cones, else learned",
           .value = BAT_MESH_SCHEME_AUTO},
      .rule = midpoint_rule,
      .learned = true},
@@ -59,7 +59,12 @@ bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
     {
         if (bat_mesh_is_solid(mesh, &solid, NULL) != BAT_OK)
             return BAT_MESH_SCHEME_AUTO;
-        cage = !solid;
+        cage = !solid; // and has no pole: a vertex of many faces
+        for (size_t i = 0, around = 0, corners = 3 * mesh->face_count; i < corners * corners && mesh->offsets == NULL; i++)
+        {
+            around = (i % corners > 0 ? around : 0) + (mesh->faces[i / corners] == mesh->faces[i % corners]);
+            cage = cage && (around < 8 || 8 * around < mesh->face_count);
+        }
     }
     return cage ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
 }
