@@ -298,10 +298,7 @@ bat_curve_attributes *gpx_attributes_make(const gpx_source *source, const curve_
     csv_columns *columns = attributes != NULL ? attributes->csv : NULL;
     cell_builder cells = {0};
     size_t count = 2 + source->column_count;
-    bool done = columns != NULL && name_columns(source, columns);
-    if (done)
-        columns->kinds = memory_array(count, 1);
-    done = done && columns->kinds != NULL;
+    bool done = columns != NULL && name_columns(source, columns) && (columns->kinds = memory_array(count, 1)) != NULL;
     for (size_t i = 0; i < count && done; i++)
     {
         bool number = i < 2 || (altitude && i - 2 == source->altitude);

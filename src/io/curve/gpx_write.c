@@ -93,12 +93,6 @@ static const char *tag_end(const char *at, const char *end)
     return at < end ? at + 1 : end;
 }
 
-/// Append the end tag of the element that a start tag begins.
-static void append_tag_end(text_buffer *text, const char *tag, const char *end)
-{
-    append_end(text, tag + 1, gpx_name_size(tag, end));
-}
-
 /// Close the open elements behind the first `kept` bytes of their start tags.
 static void close_tags(gpx_writer *writer, size_t kept)
 {
@@ -107,7 +101,7 @@ static void close_tags(gpx_writer *writer, size_t kept)
         const char *at = writer->open.data + kept, *end = writer->open.data + writer->open.size, *last = at;
         for (const char *next = at; next < end; next = tag_end(next, end))
             last = next;
-        append_tag_end(&writer->text, last, end);
+        append_end(&writer->text, last + 1, gpx_name_size(last, end));
         writer->open.size = (size_t)(last - writer->open.data);
     }
 }
@@ -141,11 +135,11 @@ static void append_between(gpx_writer *writer, const gpx_source *source, gpx_pla
             gpx_number_write(column, *altitude, &writer->value);
         else if (!gpx_value_write(source, i, place, &writer->value))
             continue;
-        const char *tags = source->tags.data;
+        const char *tags = source->tags.data, *tag = tags + column->tag.begin, *end = tags + column->tag.end;
         open_tags(writer, tags + column->parents.begin, column->parents.end - column->parents.begin);
-        text_append(&writer->text, tags + column->tag.begin, column->tag.end - column->tag.begin);
+        text_append(&writer->text, tag, (size_t)(end - tag));
         append_escaped(&writer->text, writer->value.data, writer->value.data + writer->value.size);
-        append_tag_end(&writer->text, tags + column->tag.begin, tags + column->tag.end);
+        append_end(&writer->text, tag + 1, gpx_name_size(tag, end));
     }
     close_tags(writer, 0);
 }
@@ -166,13 +160,13 @@ static bool append_row(gpx_writer *writer, const gpx_source *source, const gpx_c
         append_between(writer, source, place, altitude);
     else if (content_size > 0)
         text_append(&writer->text, source->contents.data + content, content_size);
-    if (writer->text.size > begin)
+    if (writer->text.size == begin && begin > 0)
     {
-        append_end(&writer->text, name, size);
-        return true;
+        writer->text.size--;
+        text_append_string(&writer->text, "/>");
     }
-    writer->text.size -= writer->text.size > 0;
-    text_append_string(&writer->text, "/>");
+    else
+        append_end(&writer->text, name, size);
     return true;
 }
 
@@ -301,28 +295,24 @@ static void append_value(text_buffer *text, const json_t *value)
     text_free(&tree);
 }
 
-/// Append a name of an extension; characters that names of XML lack become underscores.
-static void append_name(text_buffer *text, const char *name)
+/// Append a tag that begins with `before`; characters that names of XML lack become underscores.
+static void append_tag(text_buffer *text, const char *before, const char *name)
 {
-    text_append_string(text, "ogr:");
+    text_append_string(text, before);
     for (const char *at = name; *at != '\0'; at++)
     {
         bool letter = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') || (unsigned char)*at >= 0x80;
         bool inner = at > name && ((*at >= '0' && *at <= '9') || *at == '-' || *at == '.');
         text_append(text, letter || inner ? at : "_", 1);
     }
-    text_append_string(text, name[0] == '\0' ? "_" : "");
+    text_append_string(text, name[0] == '\0' ? "_>" : ">");
 }
 
 static void append_extension(text_buffer *text, const char *name, const json_t *value)
 {
-    text_append_string(text, "<");
-    append_name(text, name);
-    text_append_string(text, ">");
+    append_tag(text, "<ogr:", name);
     append_value(text, value);
-    text_append_string(text, "</");
-    append_name(text, name);
-    text_append_string(text, ">");
+    append_tag(text, "</ogr:", name);
 }
 
 /// Append the properties of a feature, those that GPX has no element for as extensions.
@@ -494,19 +484,10 @@ static void append_cells(gpx_writer *writer, const bat_curve *curve, size_t inde
             continue;
         bool time = kind == CSV_TIME && !timed;
         timed = timed || time;
-        text_append_string(time ? text : open, time ? "<time>" : "<");
-        if (!time)
-        {
-            append_name(open, csv->names != NULL ? csv->names[i] : "");
-            text_append_string(open, ">");
-        }
+        const char *name = time ? "time" : csv->names != NULL ? csv->names[i] : "";
+        append_tag(time ? text : open, time ? "<" : "<ogr:", name);
         append_escaped(time ? text : open, field.begin, field.end);
-        text_append_string(time ? text : open, time ? "</time>" : "</");
-        if (!time)
-        {
-            append_name(open, csv->names != NULL ? csv->names[i] : "");
-            text_append_string(open, ">");
-        }
+        append_tag(time ? text : open, time ? "</" : "</ogr:", name);
     }
     if (open->size == 0)
         return;

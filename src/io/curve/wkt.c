@@ -173,19 +173,18 @@ static bat_status read_position(wkt_scanner *scan, wkt_form *form, text_buffer *
     return BAT_OK;
 }
 
-/// Read positions in `depth` brackets.
+/// Read positions in `depth` brackets. A point is in brackets of its own, one of several points may be.
 static bat_status read_coordinates(wkt_scanner *scan, wkt_form *form, int depth, text_buffer *geojson)
 {
-    bool point = form->kind == GEOMETRY_POINTS && depth == 0;
-    if (depth == 0 && !(point && take(scan, '(')))
-        return read_position(scan, form, geojson);
+    bool points = form->kind == GEOMETRY_POINTS,
+         bracket = (depth > 0 || points || form->kind == GEOMETRY_POINT) && take(scan, '(');
+    if (!bracket && (depth > 0 || form->kind == GEOMETRY_POINT))
+        return wkt_fault(scan, "'(' is expected");
     if (depth == 0)
     {
         bat_status status = read_position(scan, form, geojson);
-        return status == BAT_OK && !take(scan, ')') ? wkt_fault(scan, "')' is expected") : status;
+        return status == BAT_OK && bracket && !take(scan, ')') ? wkt_fault(scan, "')' is expected") : status;
     }
-    if (!take(scan, '('))
-        return wkt_fault(scan, "'(' is expected");
     const char *separator = "[";
     bat_status status = BAT_OK;
     do
@@ -200,14 +199,6 @@ static bat_status read_coordinates(wkt_scanner *scan, wkt_form *form, int depth,
     if (status == BAT_OK && !take(scan, ')'))
         status = wkt_fault(scan, "',' or ')' is expected");
     return status;
-}
-
-static bat_status read_point(wkt_scanner *scan, wkt_form *form, text_buffer *geojson)
-{
-    if (!take(scan, '('))
-        return wkt_fault(scan, "'(' is expected");
-    bat_status status = read_position(scan, form, geojson);
-    return status == BAT_OK && !take(scan, ')') ? wkt_fault(scan, "')' is expected") : status;
 }
 
 static bat_status read_geometry(wkt_scanner *scan, size_t depth, text_buffer *geojson);
@@ -253,8 +244,7 @@ static bat_status read_geometry(wkt_scanner *scan, size_t depth, text_buffer *ge
     else if (collection)
         status = read_members(scan, depth, geojson);
     else
-        status = form.kind == GEOMETRY_POINT ? read_point(scan, &form, geojson)
-                                             : read_coordinates(scan, &form, type->depth, geojson);
+        status = read_coordinates(scan, &form, type->depth, geojson);
     text_append_string(geojson, "}");
     bool measures = form.m && !form.z && !collection && form.numbers > 0;
     scan->made.measures = scan->made.measures || measures;

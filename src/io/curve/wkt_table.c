@@ -374,29 +374,45 @@ static void append_json(text_buffer *text, const json_t *value)
 
 static const char ID[] = "id";
 
-static void append_separator(text_buffer *text, size_t *column)
-{
-    text_append_string(text, (*column)++ > 0 ? "," : "");
-}
-
-static void append_geometry(table_writer *writer, size_t *column)
+/// Append the geometry as the next column where it stands there, or where no other column follows.
+static void append_geometry(table_writer *writer, size_t *column, bool last)
 {
     const text_buffer *wkt = &writer->geometry;
-    append_separator(&writer->text, column);
+    if (*column != writer->place && !(last && *column < writer->place))
+        return;
+    text_append_string(&writer->text, (*column)++ > 0 ? "," : "");
     if (wkt->size > 0)
         append_text(&writer->text, wkt->data, wkt->size);
+}
+
+/// Write the row of a feature, or that of the names where it is null, with the text in `geometry`.
+static bat_status write_row(table_writer *writer, const json_t *feature, bat_error *error)
+{
+    const char *name;
+    json_t *unused;
+    size_t column = 0;
+    writer->text.size = 0;
+    json_object_foreach(writer->names, name, unused)
+    {
+        const json_t *value = json_object_get(json_object_get(feature, "properties"), name);
+        append_geometry(writer, &column, false);
+        text_append_string(&writer->text, column++ > 0 ? "," : "");
+        if (feature == NULL)
+            append_text(&writer->text, name, strlen(name));
+        else
+            append_json(&writer->text, value == NULL && strcmp(name, ID) == 0 ? json_object_get(feature, ID) : value);
+    }
+    append_geometry(writer, &column, true);
+    text_append_string(&writer->text, "\n");
+    return sink_write(writer->sink, &writer->text, error);
 }
 
 static bat_status take_feature(void *context, size_t index BAT_UNUSED, const json_t *feature, bat_error *error)
 {
     table_writer *writer = context;
-    bool bare = !geojson_has_type(feature, "Feature");
-    const json_t *geometry = bare ? feature : json_object_get(feature, "geometry");
-    json_t *properties = json_object_get(feature, "properties"), *unused;
-    text_buffer *text = &writer->text, *wkt = &writer->geometry;
-    const char *name;
-    size_t column = 0;
-    text->size = wkt->size = 0;
+    const json_t *geometry = geojson_has_type(feature, "Feature") ? json_object_get(feature, "geometry") : feature;
+    text_buffer *wkt = &writer->geometry;
+    wkt->size = 0;
     if (!json_is_null(geometry) && writer->binary)
         wkb_append_geometry(geometry, writer->measures, writer->srid.size > 0 ? strchr(writer->srid.data, '=') + 1 : NULL,
                             wkt);
@@ -405,37 +421,7 @@ static bat_status take_feature(void *context, size_t index BAT_UNUSED, const jso
         text_append(wkt, writer->srid.data, writer->srid.size);
         wkt_append_geometry(geometry, writer->measures, wkt);
     }
-    json_object_foreach(writer->names, name, unused)
-    {
-        const json_t *value = json_object_get(properties, name);
-        if (column == writer->place)
-            append_geometry(writer, &column);
-        append_separator(text, &column);
-        append_json(text, value == NULL && strcmp(name, ID) == 0 ? json_object_get(feature, ID) : value);
-    }
-    if (column <= writer->place)
-        append_geometry(writer, &column);
-    text_append_string(text, "\n");
-    return wkt->failed ? error_memory(error, wkt->size) : sink_write(writer->sink, text, error);
-}
-
-static bat_status write_header(table_writer *writer, const char *geometry, bat_error *error)
-{
-    const char *name;
-    json_t *unused;
-    size_t column = 0;
-    text_append_string(&writer->geometry, geometry); // in its place
-    json_object_foreach(writer->names, name, unused)
-    {
-        if (column == writer->place)
-            append_geometry(writer, &column);
-        append_separator(&writer->text, &column);
-        append_text(&writer->text, name, strlen(name));
-    }
-    if (column <= writer->place)
-        append_geometry(writer, &column);
-    text_append_string(&writer->text, "\n");
-    return sink_write(writer->sink, &writer->text, error);
+    return wkt->failed ? error_memory(error, wkt->size) : write_row(writer, feature, error);
 }
 
 bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
@@ -455,8 +441,9 @@ bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_optio
     wkt_append_srid(set, options, &writer.srid);
     text_append(&writer.srid, "", 1);
     writer.srid.size -= writer.srid.size > 0;
+    text_append_string(&writer.geometry, geometry != NULL ? geometry : "");
     if (status == BAT_OK && geometry != NULL)
-        status = write_header(&writer, geometry, error);
+        status = write_row(&writer, NULL, error);
     if (status == BAT_OK)
         status = geojson_each(set, options->given, options->precision, take_feature, &writer, error);
     json_decref(writer.names);
