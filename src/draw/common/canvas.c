@@ -5,7 +5,6 @@
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
-#include <stdio.h>
 #include <strings.h>
 
 // Pixel images aligned with the pixels of the page.

@@ -5,8 +5,6 @@
 #include "draw/common/legend.h"
 #include "draw/curve/view.h"
 
-#include <cairo.h>
-
 /// @file
 /// A page in memory that is saved as an SVG, PNG or PDF file.
 

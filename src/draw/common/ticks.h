@@ -2,8 +2,6 @@
 
 #include "draw/common/style.h"
 
-#include <stddef.h>
-
 /// @file
 /// Ticks of an axis: round numbers and their labels.
 

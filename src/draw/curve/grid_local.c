@@ -2,7 +2,6 @@
 #include "draw/curve/scene.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /// @file
 /// Graticule, frame and scale bar of local maps.

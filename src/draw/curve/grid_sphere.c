@@ -2,7 +2,6 @@
 #include "draw/curve/scene.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 /// @file
 /// Graticules of the globe and of the world map.

@@ -5,8 +5,6 @@
 #include "curve/map/arc_refine.h"
 #include "curve/polygon.h"
 
-#include <string.h>
-
 /// @file
 /// Choice of the projection by the smallest cap around the curves, and of the window of a local map.
 

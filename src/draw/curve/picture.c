@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "draw/common/sheet.h"
 #include "draw/curve/scene.h"
 

@@ -1,8 +1,6 @@
 #include "draw/curve/plot.h"
 
-#include "draw/common/legend.h"
 #include "draw/common/sheet.h"
-#include "draw/curve/view.h"
 
 #include <stdio.h>
 

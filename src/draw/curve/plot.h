@@ -2,7 +2,6 @@
 
 #include "draw/common/ticks.h"
 
-#include <cairo.h>
 #include <math.h>
 
 /// @file

@@ -2,11 +2,7 @@
 
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
-#include "draw/common/style.h"
 #include "draw/curve/view.h"
-
-#include <cairo.h>
-#include <math.h>
 
 /// @file
 /// The content of a picture's panels, and the drawing of one.

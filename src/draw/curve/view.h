@@ -4,7 +4,6 @@
 #include "linalg/vector.h"
 
 #include <cairo.h>
-#include <stdbool.h>
 
 /// @file
 /// Projections of spaces to the page in closed form.

@@ -1,8 +1,6 @@
 #include "draw/common/sheet.h"
 #include "draw/curve/view.h"
 
-#include <string.h>
-
 /// @file
 /// Regions bounded by geodesic polylines on the sphere.
 ///

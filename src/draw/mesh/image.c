@@ -2,15 +2,11 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "draw/common/sheet.h"
 #include "io/common/base64.h"
 #include "io/gis/gis.h"
 #include "io/mesh/gltf.h"
 #include "mesh/labels.h"
-
-#include <cairo.h>
-#include <string.h>
 
 /// @file
 /// Images that were baked as PNG files, and as the textures of a glTF material.

@@ -1,14 +1,10 @@
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
-#include "draw/common/legend.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/mesh/shade.h"
 
 #include <float.h>
-#include <math.h>
 
 /// @file
 /// Pictures of meshes: a page of shaded panels with a colour scale.

@@ -7,7 +7,6 @@
 #include "linalg/vector.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 enum

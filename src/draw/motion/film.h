@@ -4,8 +4,6 @@
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 
-#include <cairo.h>
-
 /// @file
 /// What a picture of motions shows: samples of their splines, and the ways to draw them.
 

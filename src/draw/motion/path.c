@@ -4,9 +4,7 @@
 #include "draw/common/sheet.h"
 #include "draw/common/ticks.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /// @file
 /// The path of a motion, seen from above, with the axes of its coordinates, its keyframes and frames of the body.

@@ -7,9 +7,6 @@
 #include "draw/motion/film.h"
 
 #include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 /// @file
 /// Pages of motions: the motions themselves above charts of their speeds.

@@ -1,7 +1,6 @@
 #include "draw/curve/view.h"
 #include "draw/motion/film.h"
 
-#include <math.h>
 #include <stdio.h>
 
 /// @file

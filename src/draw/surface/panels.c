@@ -1,11 +1,7 @@
 #include "draw/surface/scene.h"
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "draw/common/legend.h"
 #include "draw/common/sheet.h"
-
-#include <math.h>
 
 /// @file
 /// Panels of a cloud, a shaded surface, and a surface with errors at its points.

@@ -1,7 +1,6 @@
 #include "draw/surface/scene.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 #include "surface/trim/trimming.h"
 

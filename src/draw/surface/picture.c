@@ -1,11 +1,8 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
-#include "draw/common/legend.h"
 #include "draw/common/sheet.h"
 #include "draw/surface/scene.h"
 
-#include <math.h>
 #include <stdio.h>
 
 /// @file

@@ -1,10 +1,6 @@
 #include "draw/surface/scene.h"
 
-#include "base/memory.h"
 #include "draw/common/sheet.h"
-
-#include <math.h>
-#include <string.h>
 
 /// @file
 /// The parameter plane of a fit, with dots at the parameters and the cells of the spline space.

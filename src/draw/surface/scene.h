@@ -1,7 +1,6 @@
 #pragma once
 
 #include "batten/base.h"
-#include "batten/mesh.h"
 #include "batten/spline.h"
 #include "batten/surface_picture.h"
 #include "draw/common/style.h"

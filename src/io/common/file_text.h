@@ -3,8 +3,6 @@
 #include "base/error.h"
 #include "io/common/number_text.h"
 
-#include <string.h>
-
 /// @file
 /// The text of a file and its lines.
 

@@ -3,8 +3,6 @@
 #include "base/json_scan.h"
 #include "base/text_buffer.h"
 
-#include <jansson.h>
-
 /// @file
 /// Writing of JSON text; base/json_scan.h scans it.
 

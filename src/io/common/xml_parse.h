@@ -1,10 +1,8 @@
 #pragma once
 
-#include "base/error.h"
 #include "io/common/file_text.h"
 
 #include <expat.h>
-#include <string.h>
 
 /// @file
 /// Parsing of XML by expat: errors with lines, and no document types, whose entities can make a huge text of a small file.

@@ -3,7 +3,6 @@
 #include "base/bisect.h"
 #include "base/error.h"
 #include "curve/curve_attributes.h"
-#include "curve/point_form.h"
 #include "curve/polygon.h"
 
 #include <math.h>

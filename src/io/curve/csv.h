@@ -1,11 +1,6 @@
 #pragma once
 
-#include "base/error.h"
-#include "base/text_buffer.h"
 #include "curve/curve_attributes.h"
-#include "curve/point_form.h"
-#include "io/common/file_text.h"
-#include "io/common/number_text.h"
 #include "io/curve/builder.h"
 #include "io/curve/formats.h"
 

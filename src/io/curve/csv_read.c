@@ -3,7 +3,6 @@
 #include "io/common/time_text.h"
 #include "space/degrees.h"
 
-#include <math.h>
 #include <strings.h>
 
 /// @file

@@ -4,8 +4,6 @@
 #include "io/curve/gpx.h"
 #include "io/gis/gis.h"
 
-#include <strings.h>
-
 /// @file
 /// Reading and writing of curve sets in any format, from files and from memory.
 

@@ -1,14 +1,9 @@
 #pragma once
 
-#include "base/text_buffer.h"
 #include "curve/curve_attributes.h"
-#include "io/common/block_writer.h"
 #include "io/common/json.h"
 #include "io/curve/builder.h"
 #include "io/curve/stitch.h"
-
-#include <jansson.h>
-#include <stdbool.h>
 
 /// @file
 /// Parts of the GeoJSON reader: positions for messages, coordinates cut out of the text, features, geometries.

@@ -4,7 +4,6 @@
 #include "io/common/number_text.h"
 #include "space/degrees.h"
 
-#include <math.h>
 #include <stdarg.h>
 
 /// @file

@@ -1,10 +1,8 @@
 #include "io/curve/geojson.h"
 
-#include "base/error.h"
 #include "io/curve/formats.h"
 
 #include <math.h>
-#include <stdio.h>
 
 /// @file
 /// Reading of collections that other formats become.

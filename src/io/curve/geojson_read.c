@@ -1,11 +1,7 @@
-#include "base/error.h"
 #include "base/threads.h"
-#include "io/common/file_text.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 
-#include <stdio.h>
-#include <string.h>
 #include <strings.h>
 
 /// @file

@@ -1,9 +1,6 @@
 #include "io/curve/geojson.h"
 
-#include "base/error.h"
 #include "io/curve/formats.h"
-
-#include <string.h>
 
 static const char *skip_blanks(const char *at, const char *end)
 {

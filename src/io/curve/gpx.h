@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/text_buffer.h"
 #include "io/curve/csv.h"
 #include "io/curve/geojson.h"
 #include "io/curve/geojson_shape.h"

@@ -1,4 +1,3 @@
-#include "base/error.h"
 #include "io/curve/formats.h"
 
 /// @file

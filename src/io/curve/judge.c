@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "curve/map/arc_refine.h"
 #include "curve/polygon.h"
-#include "curve/topology/edge_tree.h"
 #include "linalg/vector.h"
 #include "search/nearest.h"
 

@@ -1,11 +1,8 @@
-#include "base/error.h"
 #include "curve/curve_attributes.h"
-#include "io/common/number_text.h"
 #include "io/curve/builder.h"
 #include "io/curve/formats.h"
 
 #include <math.h>
-#include <string.h>
 
 /// @file
 /// Wavefront OBJ for curves: `v` and `l` statements.

@@ -1,13 +1,10 @@
 #include "io/curve/stitch.h"
 
 #include "base/bisect.h"
-#include "base/memory.h"
 #include "curve/polygon.h"
 #include "io/common/number_text.h"
 #include "linalg/vector.h"
 #include "space/degrees.h"
-
-#include <string.h>
 
 static const double HALF_TURN = 180.0, TURN = 360.0, QUARTER_TURN = 90.0;
 

@@ -2,10 +2,8 @@
 
 #include "base/array_grow.h"
 #include "base/bisect.h"
-#include "base/memory.h"
 
 #include <math.h>
-#include <string.h>
 
 /// @file
 /// Polygons that a file cuts at the seam, joined: edges on the seam are divided at each other's ends and cancelled.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "curve/curve_attributes.h"
 #include "io/curve/geojson.h"
 
 #include <cpl_conv.h>

@@ -1,14 +1,9 @@
-#include "base/error.h"
-#include "curve/curve_attributes.h"
-#include "io/common/json.h"
-#include "io/common/number_text.h"
 #include "io/curve/formats.h"
 #include "io/gis/gdal.h"
 #include "io/gis/gis.h"
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <sys/stat.h>
 
 /// @file

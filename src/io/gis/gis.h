@@ -1,11 +1,9 @@
 #pragma once
 
-#include "base/text_buffer.h"
 #include "batten/curve_file.h"
 #include "batten/mesh_transfer.h"
 #include "io/common/file_text.h"
 
-#include <string.h>
 #include <strings.h>
 
 /// @file

@@ -1,11 +1,7 @@
 #include "io/mesh/builder.h"
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
-
-#include <string.h>
 
 /// @file
 /// Arrays that grow while a mesh is read, and their conversion to a checked triangle mesh.

@@ -1,8 +1,6 @@
 #pragma once
 
-#include "batten/mesh_file.h"
 #include "io/mesh/formats.h"
-#include "mesh/hash_table.h"
 
 /// @file
 /// Construction of a mesh from the faces of a file.

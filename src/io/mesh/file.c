@@ -4,7 +4,6 @@
 #include "io/mesh/formats.h"
 #include "linalg/vector.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 /// @file

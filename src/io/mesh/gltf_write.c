@@ -1,16 +1,10 @@
 #include "base/counting_sort.h"
-#include "base/error.h"
-#include "base/json_scan.h"
-#include "base/memory.h"
 #include "batten/mesh_transfer.h"
 #include "io/common/base64.h"
 #include "io/common/bytes.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"
 #include "linalg/vector.h"
-
-#include <stdio.h>
-#include <string.h>
 
 /// @file
 /// Writer of glTF 2.0: a node for each object, a primitive for each label, one buffer.

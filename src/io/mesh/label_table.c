@@ -3,8 +3,6 @@
 #include "base/hash.h"
 #include "base/utf8.h"
 
-#include <stdio.h>
-
 /// @file
 /// Labels by the hashes of their names.
 

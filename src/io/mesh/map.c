@@ -1,11 +1,8 @@
 #include "batten/mesh_file.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "learn/safetensors.h"
 #include "mesh/decimate/map.h"
-
-#include <string.h>
 
 /// @file
 /// Decimation maps as safetensors files with the arrays sizes, points, half_edges, kept and collapses.

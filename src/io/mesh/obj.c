@@ -1,15 +1,7 @@
-#include "base/error.h"
-#include "base/text_buffer.h"
-#include "io/common/file_text.h"
-#include "io/common/number_text.h"
 #include "io/mesh/builder.h"
-#include "io/mesh/formats.h"
 #include "mesh/sides.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Wavefront OBJ: vertices, texture coordinates, faces and colours, with the crease and corner tags of OpenSubdiv.

@@ -1,6 +1,5 @@
 #include "io/mesh/ply.h"
 
-#include "base/json_scan.h"
 #include "io/common/bytes.h"
 #include "io/common/json.h"
 

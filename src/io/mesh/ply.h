@@ -1,7 +1,5 @@
 #pragma once
 
-#include "base/text_buffer.h"
-#include "io/common/file_text.h"
 #include "io/mesh/builder.h"
 
 /// @file

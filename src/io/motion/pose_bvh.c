@@ -1,10 +1,6 @@
-#include "io/common/number_text.h"
 #include "io/motion/pose_translation.h"
 
-#include "base/memory.h"
 #include "space/quaternion.h"
-
-#include <string.h>
 
 /// @file
 /// Motion capture in BVH (Biovision): a hierarchy of joints with their channels, then a row of numbers for each frame. Each

@@ -1,11 +1,6 @@
-#include "io/common/number_text.h"
 #include "io/motion/pose_translation.h"
 
-#include "base/memory.h"
 #include "space/quaternion.h"
-
-#include <math.h>
-#include <string.h>
 
 /// @file
 /// The images of a reconstruction by COLMAP, images.txt: two lines for each, of which the first has the rotation and the

@@ -1,9 +1,5 @@
 #pragma once
 
-#include "base/error.h"
-#include "base/text_buffer.h"
-#include "batten/curve_file.h"
-#include "io/common/file_text.h"
 #include "io/common/time_text.h"
 #include "io/curve/csv.h"
 

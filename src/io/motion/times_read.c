@@ -1,14 +1,8 @@
 #include "batten/motion.h"
 
-#include "base/error.h"
-#include "curve/curve_attributes.h"
-#include "io/common/number_text.h"
-#include "io/common/time_text.h"
 #include "io/motion/pose_translation.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// Rates beside a time, and accelerations beside these.
 #define RATES 3

@@ -2,7 +2,6 @@
 #include "base/option.h"
 #include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
-#include "mesh/hash_table.h"
 
 /// @file
 /// Clouds in any format: points, an optional file with the boundary, or the vertices of a mesh.

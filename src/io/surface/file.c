@@ -7,8 +7,6 @@
 #include "io/surface/formats.h"
 #include "surface/spline/tensor_surface.h"
 
-#include <math.h>
-
 /// @file
 /// Reading and writing of spline surfaces in any format.
 

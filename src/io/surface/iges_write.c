@@ -1,13 +1,5 @@
-#include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
-#include "surface/spline/tensor_surface.h"
-
-#include "base/error.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// A spline surface as IGES 5.3 (ANSI US PRO/IPO-100, 1996): rational B-spline surface (entity 128); of a trimmed surface

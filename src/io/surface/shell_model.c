@@ -10,8 +10,6 @@
 #include "linalg/vector.h"
 #include "mesh/sides.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const mesh_sides QUADS = {.quads = true};

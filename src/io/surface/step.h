@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "batten/shell.h"
-#include "batten/spline.h"
 #include "surface/spline/tensor_surface.h"
 
 /// @file

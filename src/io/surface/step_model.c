@@ -3,7 +3,6 @@
 #include "io/surface/step.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// @file

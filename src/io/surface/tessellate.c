@@ -11,12 +11,10 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
-#include "search/nearest.h"
 #include "surface/cloud/delaunay.h"
 #include "surface/trim/trimming.h"
 
 #include <assert.h>
-#include <string.h>
 
 /// The samples of all cells are on one lattice over the square, with `samples` steps across a cell of the finest level. A
 /// cell that is k levels coarser uses every 2^k-th point.

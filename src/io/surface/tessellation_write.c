@@ -1,5 +1,3 @@
-#include "io/common/block_writer.h"
-#include "io/common/number_text.h"
 #include "io/mesh/formats.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"

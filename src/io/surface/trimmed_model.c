@@ -5,8 +5,6 @@
 #include "io/common/number_text.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
-
 /// @file
 /// One tensor-product surface and curves in space. The image of a trimming curve is a cubic Hermite spline with enough knots
 /// that its distance from the surface is below the tolerance of the images.
