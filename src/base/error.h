@@ -7,8 +7,9 @@
 bat_status error_set(bat_error *error, bat_status status, size_t index, size_t line, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/// error_set() for an argument, for a fault of a file, at a line or 0, and for what is not supported.
+/// error_set() for an argument, for what is too large, for a fault of a file, at a line or 0, and for what is not supported.
 #define ERROR_ARGUMENT(error, ...) error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, __VA_ARGS__)
+#define ERROR_TOO_LARGE(error, ...) error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, __VA_ARGS__)
 #define ERROR_FILE(error, line, ...) error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, __VA_ARGS__)
 #define ERROR_UNSUPPORTED(error, line, ...) error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, line, __VA_ARGS__)
 

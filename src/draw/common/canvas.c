@@ -134,7 +134,7 @@ bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *
             return BAT_OK;
         }
     }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture's name must end in .svg, .png or .pdf");
+    return ERROR_ARGUMENT(error, "a picture's name must end in .svg, .png or .pdf");
 }
 
 bat_status bat_picture_check(const char *path, bat_error *error)

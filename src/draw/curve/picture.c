@@ -104,7 +104,7 @@ bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_pan
     bat_curve_picture_options defaults = bat_curve_picture_defaults();
     canvas_format format;
     if (path == NULL || panels == NULL || count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one panel");
+        return ERROR_ARGUMENT(error, "a picture needs a file name and at least one panel");
     bat_status status = canvas_format_of(path, &format, error);
     if (status != BAT_OK)
         return status;
@@ -141,7 +141,7 @@ bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, s
     bat_curve_picture_options defaults = bat_curve_picture_defaults();
     scene made;
     if (panels == NULL || count == 0 || taken == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a projection needs at least one panel");
+        return ERROR_ARGUMENT(error, "a projection needs at least one panel");
     bat_status status = scene_measure(panels, count, options != NULL ? options : &defaults, &made, error);
     if (status != BAT_OK)
         return status;

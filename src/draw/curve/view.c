@@ -185,12 +185,12 @@ static bool antipodal(const double *p, const double *q)
 bat_status view_check(const bat_curve *curve, bat_error *error)
 {
     if (curve == NULL || curve->space == NULL || curve->points == NULL || curve->count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a curve without points cannot be drawn");
+        return ERROR_ARGUMENT(error, "a curve without points cannot be drawn");
     view_space space = view_space_of(curve->space);
     if (space == VIEW_NOTHING)
     {
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the space %s of %zu coordinates has no picture",
-                         curve->space->name, curve->space->point_dim);
+        return ERROR_UNSUPPORTED(error, 0, "the space %s of %zu coordinates has no picture", curve->space->name,
+                                 curve->space->point_dim);
     }
     size_t dim = curve->space->point_dim;
     for (size_t i = 0; i < curve->count; i++)

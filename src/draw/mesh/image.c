@@ -91,7 +91,7 @@ bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, b
 {
     text_buffer bytes = {0};
     if (image->pixels == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the image has no pixels");
+        return ERROR_ARGUMENT(error, "the image has no pixels");
     bat_status status = append_png(image, &bytes, error);
     if (status == BAT_OK)
         status = atomic_file_write(path, bytes.data, bytes.size, error);

@@ -246,7 +246,7 @@ bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel
     bat_mesh_picture_options defaults = bat_mesh_picture_defaults();
     canvas_format format;
     if (path == NULL || panels == NULL || count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one mesh");
+        return ERROR_ARGUMENT(error, "a picture needs a file name and at least one mesh");
     bat_status status = canvas_format_of(path, &format, error);
     mesh_scene made;
     if (status == BAT_OK)

@@ -209,8 +209,8 @@ bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *s
 {
     *made = (film){.keyframes = keyframes, .space = keyframes->space, .poses = options->poses};
     if (keyframes->count == 0 || keyframes->count > BAT_MOTION_PICTURE_MOTIONS)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a picture shows 1 to %d motions, not %zu",
-                         BAT_MOTION_PICTURE_MOTIONS, keyframes->count);
+        return ERROR_UNSUPPORTED(error, 0, "a picture shows 1 to %d motions, not %zu", BAT_MOTION_PICTURE_MOTIONS,
+                                 keyframes->count);
     made->kind = kind_of(made->space);
     made->body = space_is_rigid(made->space);
     choose_units(options, made);

@@ -395,7 +395,7 @@ static bat_status write_motions(const char *path, const bat_curve_set *keyframes
     bat_motion_picture_options defaults = bat_motion_picture_defaults();
     canvas_format format;
     if (path == NULL || keyframes == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and keyframes");
+        return ERROR_ARGUMENT(error, "a picture needs a file name and keyframes");
     options = options != NULL ? options : &defaults;
     bat_status status = canvas_format_of(path, &format, error);
     if (status == BAT_OK)
@@ -428,7 +428,7 @@ bat_status bat_motion_splines_picture_write(const char *path, const bat_curve_se
     how.spline.outliers = outliers;
     how.spline.sigma = 1; // rules are refused without
     if (splines == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture of splines needs splines");
+        return ERROR_ARGUMENT(error, "a picture of splines needs splines");
     bat_status status = bat_options_check(&bat_motion_spline_fields, &how.spline, error);
     return status == BAT_OK ? write_motions(path, keyframes, splines, &how, options, error) : status;
 }

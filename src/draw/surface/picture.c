@@ -435,7 +435,7 @@ bat_status bat_surface_picture_inspect(const char *path, const bat_surface_pictu
     const bat_surface_picture_options defaults = bat_surface_picture_defaults();
     canvas_format format;
     if (path == NULL || rows == NULL || count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one row");
+        return ERROR_ARGUMENT(error, "a picture needs a file name and at least one row");
     options = options != NULL ? options : &defaults;
     inspection = inspection != NULL ? inspection : &NONE;
     bat_status status = canvas_format_of(path, &format, error);

@@ -23,7 +23,7 @@ bat_status file_text_bytes(const bat_limits *limits, uintmax_t bytes, bat_error 
 {
     if (limits == NULL || limits->bytes == 0 || bytes <= limits->bytes)
         return BAT_OK;
-    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the input has more than %zu bytes", limits->bytes);
+    (void)ERROR_TOO_LARGE(error, "the input has more than %zu bytes", limits->bytes);
     return error_remedy(error, BAT_TOO_LARGE, "limits.bytes", "allows more");
 }
 
@@ -82,7 +82,7 @@ bat_status file_text_points(const file_text *text, size_t bytes, size_t points, 
     size_t most = text->points > 0 ? text->points : ALWAYS + bytes;
     if (points <= most)
         return BAT_OK;
-    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the file stands for more than %zu points", most);
+    (void)ERROR_TOO_LARGE(error, "the file stands for more than %zu points", most);
     return error_remedy(error, BAT_TOO_LARGE, "limits.points", "allows more");
 }
 

@@ -280,7 +280,7 @@ bat_status zip_add(zip_writer *writer, const char *name, const text_buffer *cont
         return error_memory(error, content->size);
     bat_status status = content->size < UINT32_MAX / 2 ? deflate_text(content, &deflated, error) : BAT_TOO_LARGE;
     if (status == BAT_TOO_LARGE || writer->written + deflated.size > UINT32_MAX - UINT16_MAX)
-        status = error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the part '%.60s' is too large for a ZIP archive", name);
+        status = ERROR_TOO_LARGE(error, "the part '%.60s' is too large for a ZIP archive", name);
     if (status == BAT_OK)
     {
         uLong crc = crc32_z(crc32(0, NULL, 0), (const unsigned char *)content->data, content->size);

@@ -39,7 +39,7 @@ static bat_status append_position(topology_reader *reader, const json_t *positio
     char *out = text_reserve(&reader->geojson, (count + 1) * (NUMBER_TEXT_SIZE + 1) + 1);
     if (out == NULL || reader->geojson.size > reader->limit)
         return out == NULL ? error_memory(reader->error, reader->geojson.size)
-                           : error_set(reader->error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the arcs are used too many times");
+                           : ERROR_TOO_LARGE(reader->error, "the arcs are used too many times");
     if (count < 2)
         return fault(reader, "a position must be an array of 2 or more numbers");
     for (size_t i = 0; i < count; i++)

@@ -583,8 +583,7 @@ static bat_status check_drawing(const char *spelled, bat_error *error)
         zeros = memchr(piece, '\0', got) != NULL;
     if (file != NULL)
         (void)gdal.VSIFCloseL(file);
-    return zeros ? error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the drawing is not text: save it again as DXF in ASCII")
-                 : BAT_OK;
+    return zeros ? ERROR_FILE(error, 0, "the drawing is not text: save it again as DXF in ASCII") : BAT_OK;
 }
 
 bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_options *options, bat_curve_set *set,

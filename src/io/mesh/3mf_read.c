@@ -654,9 +654,8 @@ static bat_status check_size(const reader_3mf *reader, bat_error *error)
     for (size_t i = 0; i < reader->item_count && total <= limit; i++)
         total += reader->objects[reader->items[i].object].total_vertices + 1;
     if (total > limit || total >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                         "the components place more than %d copies of the model's %zu vertices", MAX_COPIES,
-                         reader->vertices);
+        return ERROR_TOO_LARGE(error, "the components place more than %d copies of the model's %zu vertices", MAX_COPIES,
+                               reader->vertices);
     return BAT_OK;
 }
 

@@ -265,8 +265,8 @@ static bat_status check_all(mesh_builder *builder, bool polygons, bat_error *err
     bat_status status = check_faces(mesh, polygons, error);
     size_t triangle_count = builder->corner_count - 2 * mesh->face_count;
     if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
-                         BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
+        return ERROR_TOO_LARGE(error, "the mesh has more than %zu faces or %zu vertices", BAT_MESH_MAX_FACES,
+                               (size_t)BAT_MESH_NONE);
     if (status == BAT_OK && !complete_texture(builder))
         status = error_memory(error, builder->texture_capacity * sizeof(double));
     return status;

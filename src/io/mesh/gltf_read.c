@@ -95,8 +95,7 @@ static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, si
         colour[k] = k < colours->components ? colours->numbers[local * colours->components + k] : 1.0;
     reader->tally.vertices++;
     if (builder->mesh.vertex_count >= BAT_MESH_NONE - 1)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the scene has more than %zu vertices",
-                         (size_t)BAT_MESH_NONE - 1);
+        return ERROR_TOO_LARGE(error, "the scene has more than %zu vertices", (size_t)BAT_MESH_NONE - 1);
     size_t before = builder->mesh.vertex_count;
     *vertex = primitive->vertices[local] = mesh_builder_merge(builder, image);
     double *channels = reader->colours > 0 && builder->mesh.vertex_count > before ? mesh_builder_channels(builder) : NULL;

@@ -311,8 +311,7 @@ static bat_status name_materials(json_t *materials, char ***names, bat_error *er
     static const int MAX_MATERIALS = 1 << 14; ///< names are compared in pairs
     size_t count = json_array_size(materials);
     if (count > MAX_MATERIALS)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu materials, more than %d", count,
-                         MAX_MATERIALS);
+        return ERROR_TOO_LARGE(error, "there are %zu materials, more than %d", count, MAX_MATERIALS);
     char **made = calloc(count + 1, sizeof *made);
     bat_status status = made != NULL ? BAT_OK : error_memory(error, count * sizeof *made);
     for (size_t i = 0; i < count && status == BAT_OK; i++)

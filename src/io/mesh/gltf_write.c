@@ -319,8 +319,7 @@ static bat_status fill_bytes(gltf_writer *writer, bat_error *error)
     char *out = size < UINT32_MAX ? text_reserve(&writer->bytes, size - writer->begins[0]) : NULL;
     if (out == NULL)
         return size < UINT32_MAX ? no_memory(writer, error)
-                                 : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                                             "the mesh takes %zu bytes in glTF, more than GLB holds", size);
+                                 : ERROR_TOO_LARGE(error, "the mesh takes %zu bytes in glTF, more than GLB holds", size);
     for (size_t i = 0; i < corners; i++)
     {
         while (i / 3 >= writer->label_faces[label + 1])
@@ -804,8 +803,7 @@ bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *op
         text_append(&json, " ", 1);
     size_t total = GLB_HEADER + 2 * (size_t)GLB_CHUNK_HEADER + json.size + writer.bytes.size;
     if (status == BAT_OK && total > UINT32_MAX)
-        status =
-            error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh takes %zu bytes in glTF, more than GLB holds", total);
+        status = ERROR_TOO_LARGE(error, "the mesh takes %zu bytes in glTF, more than GLB holds", total);
     char header[GLB_HEADER];
     const uint64_t words[] = {GLB_MAGIC, GLB_VERSION, total};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)

@@ -241,8 +241,7 @@ static bat_status plan(ply_reader *reader, bat_error *error)
     if (status != BAT_OK)
         return status;
     if (vertex->count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the file has more than %zu vertices",
-                         (size_t)BAT_MESH_NONE);
+        return ERROR_TOO_LARGE(error, "the file has more than %zu vertices", (size_t)BAT_MESH_NONE);
     reader->vertices = vertex->count;
     return place_columns(reader, vertex, !bare && reader->texture_at < face->property_count, error);
 }

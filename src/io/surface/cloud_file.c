@@ -190,8 +190,7 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
     if (total == 0)
         return ERROR_FILE(error, 0, "there are no points");
     if (total >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu points, more than %u", total,
-                         BAT_MESH_NONE - 1);
+        return ERROR_TOO_LARGE(error, "there are %zu points, more than %u", total, BAT_MESH_NONE - 1);
     cloud->points = memory_array(total, 3 * sizeof *cloud->points);
     cloud->order = memory_array(total, sizeof *cloud->order);
     point_table table = {.points = cloud->points};

@@ -46,8 +46,8 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
         return ERROR_FILE(error, 0, "this is no LAS file: it does not begin with a header of LASF");
     size_t header_size = (size_t)bytes_whole(bytes + AT_HEADER_SIZE, 2, false), format = bytes[AT_FORMAT];
     if ((format & COMPRESSED) != 0)
-        return error_set(
-            error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+        return ERROR_UNSUPPORTED(
+            error, 0,
             "the points are compressed (LAZ), which Debian has no library for: laszip, PDAL or the Python package "
             "laspy[lazrs] write LAS");
     if (bytes[AT_MINOR - 1] != 1 || bytes[AT_MINOR] > 4 || format >= POINT_FORMATS)

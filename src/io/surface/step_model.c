@@ -146,7 +146,7 @@ bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shel
         MAX_FACES = 1 << 29 // with four vertices each, all numbers fit into 32 bits
     };
     if (count > MAX_FACES)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu faces are more than %d", count, MAX_FACES);
+        return ERROR_TOO_LARGE(error, "%zu faces are more than %d", count, MAX_FACES);
     surface_shell made = {0};
     shell_builder builder = {.faces = faces, .face_count = count, .shell = &made};
     bat_status status = find_vertices(&builder, error);

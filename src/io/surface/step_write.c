@@ -408,7 +408,7 @@ static bat_status check_count(const step_model *model, bat_error *error)
     count += 2 * (double)model->shell.vertex_count;
     if (count < (double)(UINT32_MAX / 2))
         return BAT_OK;
-    return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a STEP file of %.0f entities is too large", count);
+    return ERROR_TOO_LARGE(error, "a STEP file of %.0f entities is too large", count);
 }
 
 // Trimmed surfaces

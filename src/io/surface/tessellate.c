@@ -66,10 +66,10 @@ static bat_status begin_lattice(const bat_spline_surface *surface, size_t sample
         quads *= (double)grid->samples[d];
         points *= (double)grid->samples[d] + 1;
         if (ldexp((double)grid->options.spans[d] * (double)grid->samples[d], (int)grid->finest) >= max_vertices)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the finest samples are 2^32 or more along a side");
+            return ERROR_TOO_LARGE(error, "the finest samples are 2^32 or more along a side");
     }
     if (points + quads >= max_vertices)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a tessellation of %.0f points is too large", points);
+        return ERROR_TOO_LARGE(error, "a tessellation of %.0f points is too large", points);
     made->quad_count = (size_t)quads;
     made->quads = memory_pool_array(&made->pool, made->quad_count, 4 * sizeof *made->quads);
     made->levels = memory_pool_array(&made->pool, made->quad_count, sizeof *made->levels);
@@ -548,7 +548,7 @@ static bat_status tessellation_cut(const bat_spline_surface *surface, size_t sam
     if (status == BAT_OK)
         status = store(surface, &region, &cut, (const double(*)[2])places, count, made, error);
     if (status == BAT_OK && made->triangle_count == 0)
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the trimming curves leave no triangle of the surface");
+        status = ERROR_UNSUPPORTED(error, 0, "the trimming curves leave no triangle of the surface");
     free(cut.places);
     free(cut.next);
     trim_region_free(&region);

@@ -75,9 +75,8 @@ static bat_status make_surface(const bat_spline_surface *surface, tensor_surface
     for (int d = 0; d < 2; d++)
         functions *= ldexp((double)options.spans[d], (int)levels - 1) + options.degree[d];
     if (functions > MAX_FUNCTIONS)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                         "as one tensor-product surface this one has %.0f control points, more than %d", functions,
-                         (int)MAX_FUNCTIONS);
+        return ERROR_TOO_LARGE(error, "as one tensor-product surface this one has %.0f control points, more than %d",
+                               functions, (int)MAX_FUNCTIONS);
     bat_hierarchical_space *fine = NULL;
     *made = (tensor_surface){.dimension = surface->dimension};
     bat_status status = hierarchical_space_copy(surface->space, &fine, error);
