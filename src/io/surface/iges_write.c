@@ -99,54 +99,37 @@ static void add_knots(iges_file *file, const bat_knot_vector *knots)
         add_real(file, knots->knots[i], ',');
 }
 
-static double first_knot(const bat_knot_vector *knots)
+/// Append the first and the last parameter.
+static void add_domain(iges_file *file, const bat_knot_vector *knots, char delimiter)
 {
-    return knots->knots[knots->degree];
-}
-
-static double last_knot(const bat_knot_vector *knots)
-{
-    return knots->knots[knot_vector_functions(knots)];
+    add_real(file, knots->knots[knots->degree], ',');
+    add_real(file, knots->knots[knot_vector_functions(knots)], delimiter);
 }
 
 static unsigned write_surface(iges_file *file, const tensor_surface *surface, bool trimmed)
 {
-    enum
-    {
-        SURFACE = 128
-    };
-    size_t functions[2];
+    static const int SURFACE = 128;
+    const bat_knot_vector *u = &surface->knots[0], *v = &surface->knots[1];
+    size_t columns = knot_vector_functions(u), rows = knot_vector_functions(v);
     unsigned number = begin_entity(file, SURFACE);
-    for (int d = 0; d < 2; d++)
-        functions[d] = knot_vector_functions(&surface->knots[d]);
-    for (int d = 0; d < 2; d++)
-        add_whole(file, functions[d] - 1, ',');
-    for (int d = 0; d < 2; d++)
-        add_whole(file, (size_t)surface->knots[d].degree, ',');
+    add_wholes(file, (const size_t[]){columns - 1, rows - 1, (size_t)u->degree, (size_t)v->degree}, 4);
     // Open in both directions, polynomial, not periodic.
-    for (int k = 0; k < 5; k++)
-        add_whole(file, k == 2, ',');
-    for (int d = 0; d < 2; d++)
-        add_knots(file, &surface->knots[d]);
-    for (size_t i = 0; i < functions[0] * functions[1]; i++)
+    add_wholes(file, (const size_t[]){0, 0, 1, 0, 0}, 5);
+    add_knots(file, u);
+    add_knots(file, v);
+    for (size_t i = 0; i < columns * rows; i++)
         add_real(file, 1, ',');
-    for (size_t i = 0; i < 3 * functions[0] * functions[1]; i++)
+    for (size_t i = 0; i < 3 * columns * rows; i++)
         add_real(file, surface->control[i], ',');
-    for (int d = 0; d < 2; d++)
-    {
-        add_real(file, first_knot(&surface->knots[d]), ',');
-        add_real(file, last_knot(&surface->knots[d]), d == 0 ? ',' : ';');
-    }
+    add_domain(file, u, ',');
+    add_domain(file, v, ';');
     end_entity(file, SURFACE, trimmed ? DEPENDENT : INDEPENDENT);
     return number;
 }
 
 static unsigned write_curve(iges_file *file, const bat_spline_curve *curve)
 {
-    enum
-    {
-        CURVE = 126
-    };
+    static const int CURVE = 126;
     size_t functions = knot_vector_functions(&curve->knots), dimension = curve->dimension;
     const double *last = curve->control + dimension * (functions - 1);
     bool closed = memcmp(last, curve->control, dimension * sizeof *last) == 0, planar = dimension == 2;
@@ -158,8 +141,7 @@ static unsigned write_curve(iges_file *file, const bat_spline_curve *curve)
     for (size_t i = 0; i < functions; i++)
         for (size_t c = 0; c < 3; c++)
             add_real(file, c < dimension ? curve->control[dimension * i + c] : 0, ',');
-    add_real(file, first_knot(&curve->knots), ',');
-    add_real(file, last_knot(&curve->knots), ',');
+    add_domain(file, &curve->knots, ',');
     for (int c = 0; c < 3; c++)
         add_real(file, c == 2 && planar, c < 2 ? ',' : ';');
     end_entity(file, CURVE, planar ? PARAMETRIC : DEPENDENT);

@@ -108,6 +108,15 @@ static void append_references(step_text *step, const uint32_t *entities, size_t 
     end_list(step);
 }
 
+/// Write an entity of a list of others. Returns its number.
+static uint32_t write_list(step_text *step, const char *text, const uint32_t *entities, size_t count)
+{
+    uint32_t entity = begin_entity(step, text);
+    append_references(step, entities, count);
+    end_entity(step, ")");
+    return entity;
+}
+
 /// Append a list of entities whose numbers are `stride` apart.
 static void append_range(step_text *step, uint32_t first, size_t count, size_t stride)
 {
@@ -316,14 +325,7 @@ static void write_faces(step_text *step, const step_model *model, step_entities 
     }
 }
 
-/// Write the shell of some faces. Returns its number.
-static uint32_t write_faces_of(step_text *step, const uint32_t *faces, size_t count, bool closed)
-{
-    uint32_t shell = begin_entity(step, closed ? "CLOSED_SHELL(''," : "OPEN_SHELL('',");
-    append_references(step, faces, count);
-    end_entity(step, ")");
-    return shell;
-}
+static const char OPEN_SHELL[] = "OPEN_SHELL('',", SURFACE_SHAPE[] = "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',";
 
 static void write_end(step_text *step, const step_entities *entities, const char *kind, const uint32_t *parts, size_t count)
 {
@@ -342,9 +344,9 @@ static void write_end(step_text *step, const step_entities *entities, const char
 
 static void write_shell(step_text *step, const step_entities *entities)
 {
-    uint32_t shell = write_faces_of(step, entities->faces, entities->face_count, false);
+    uint32_t shell = write_list(step, OPEN_SHELL, entities->faces, entities->face_count);
     uint32_t part = write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
-    write_end(step, entities, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',", &part, 1);
+    write_end(step, entities, SURFACE_SHAPE, &part, 1);
 }
 
 /// Write the parts of a model with several. Shells of voids, whose normals lead into them, belong to the solids around them.
@@ -362,7 +364,7 @@ static bat_status write_parts(step_text *step, const step_model *model, const st
         for (size_t f = 0; f < entities->face_count; f++)
             if (model->pieces[f] == p)
                 faces[count++] = entities->faces[f];
-        shells[p] = write_faces_of(step, faces, count, model->closed[p]);
+        shells[p] = write_list(step, model->closed[p] ? "CLOSED_SHELL(''," : OPEN_SHELL, faces, count);
     }
     for (size_t p = 0; p < model->piece_count && status == BAT_OK; p++)
     {
@@ -387,7 +389,7 @@ static bat_status write_parts(step_text *step, const step_model *model, const st
     if (status == BAT_OK)
         write_end(step, entities,
                   closed == made ? "ADVANCED_BREP_SHAPE_REPRESENTATION('',"
-                  : closed == 0  ? "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',"
+                  : closed == 0  ? SURFACE_SHAPE
                                  : "SHAPE_REPRESENTATION('',",
                   parts, made);
     memory_pool_free(&pool);
@@ -413,14 +415,6 @@ static bat_status check_count(const step_model *model, bat_error *error)
 
 // Trimmed surfaces
 
-/// Write a trimming curve in the parameters of a surface. Returns the number of the PCURVE.
-static uint32_t write_parameter_curve(step_text *step, const bat_spline_curve *piece, uint32_t surface, uint32_t planar)
-{
-    uint32_t curve = write_curve(step, &piece->knots, piece->control, 2);
-    uint32_t definition = write_entity(step, "DEFINITIONAL_REPRESENTATION('',(#%u),#%u)", curve, planar);
-    return write_entity(step, "PCURVE('',#%u,#%u)", surface, definition);
-}
-
 /// Whether an edge begins at a cubic of an image: at the first and where the trimming curve may have a corner, across which
 /// other programs do not integrate. Each cubic ends at every third control point.
 static bool begins_edge(const bat_spline_curve *piece, const bat_spline_curve *image, size_t cubic)
@@ -439,12 +433,14 @@ static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model,
     uint32_t *vertices = entities->vertices, *edges = entities->edges;
     for (size_t i = model->trim->loops[loop]; i < model->trim->loops[loop + 1]; i++)
     {
-        const bat_spline_curve *image = &model->images[i];
+        const bat_spline_curve *image = &model->images[i], *piece = &model->trim->pieces[i];
         uint32_t space = write_curve(step, &image->knots, image->control, 3);
-        uint32_t flat = write_parameter_curve(step, &model->trim->pieces[i], surface, planar);
+        uint32_t curve = write_curve(step, &piece->knots, piece->control, 2);
+        uint32_t definition = write_entity(step, "DEFINITIONAL_REPRESENTATION('',(#%u),#%u)", curve, planar);
+        uint32_t flat = write_entity(step, "PCURVE('',#%u,#%u)", surface, definition);
         uint32_t both = write_entity(step, "SURFACE_CURVE('',#%u,(#%u),.CURVE_3D.)", space, flat);
         for (size_t k = 0; 3 * k + 1 < knot_vector_functions(&image->knots); k++)
-            if (begins_edge(&model->trim->pieces[i], image, k))
+            if (begins_edge(piece, image, k))
             {
                 uint32_t point = write_point(step, image->control + 9 * k, 3);
                 vertices[count] = write_entity(step, "VERTEX_POINT('',#%u)", point);
@@ -456,9 +452,7 @@ static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model,
         edges[i] = write_entity(step, "EDGE_CURVE('',#%u,#%u,#%u,.T.)", vertices[i], vertices[(i + 1) % count], edges[i]);
         edges[i] = write_entity(step, "ORIENTED_EDGE('',*,*,#%u,.T.)", edges[i]);
     }
-    uint32_t path = begin_entity(step, "EDGE_LOOP('',");
-    append_references(step, edges, count);
-    end_entity(step, ")");
+    uint32_t path = write_list(step, "EDGE_LOOP('',", edges, count);
     return write_entity(step, "%s('',#%u,.T.)", loop == 0 ? "FACE_OUTER_BOUND" : "FACE_BOUND", path);
 }
 
@@ -497,10 +491,11 @@ static bat_status write_file(const step_model *model, const trimmed_model *trimm
     size_t edges = 0; // at most, of a trimmed surface
     for (size_t i = 0; trimmed != NULL && i < trimmed->piece_count; i++)
         edges += knot_vector_functions(&trimmed->trim->pieces[i].knots);
-    bat_status status = trimmed != NULL ? make_entities(edges, edges, trimmed->trim->loop_count, &entities, error)
-                                        : check_count(model, error);
-    if (status == BAT_OK && trimmed == NULL)
-        status = make_entities(shell->vertex_count, shell->edge_count, shell->face_count, &entities, error);
+    size_t vertices = trimmed != NULL ? edges : shell->vertex_count;
+    size_t faces = trimmed != NULL ? trimmed->trim->loop_count : shell->face_count;
+    bat_status status = check_count(model, error);
+    if (status == BAT_OK)
+        status = make_entities(vertices, trimmed != NULL ? edges : shell->edge_count, faces, &entities, error);
     if (status == BAT_OK)
     {
         write_header(&step);
