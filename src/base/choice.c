@@ -123,17 +123,16 @@ bat_status bat_choice_of_path(const bat_family *family, const char *path, bool w
     for (size_t i = 0; i < sizeof HINTS / sizeof *HINTS; i++)
         if (has_ending(HINTS[i].endings, ending))
             hint = HINTS[i].text;
-    (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no %s that is %s has the ending '%.20s'%s; there are %s",
-                    family->what, writes ? "written" : "read", ending, hint,
-                    choice_endings(family, writes, known, sizeof known));
+    (void)ERROR_ARGUMENT(error, "no %s that is %s has the ending '%.20s'%s; there are %s", family->what,
+                         writes ? "written" : "read", ending, hint, choice_endings(family, writes, known, sizeof known));
     return error_remedy(error, BAT_INVALID_ARGUMENT, writes ? "write.format" : "read.format", "names one");
 }
 
 bat_status choice_unnamed_output(const bat_family *family, bat_error *error)
 {
     char known[2 * BAT_ERROR_TEXT_SIZE / 3];
-    (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write; the endings are %s",
-                    choice_endings(family, true, known, sizeof known));
+    (void)ERROR_ARGUMENT(error, "cannot tell what format to write; the endings are %s",
+                         choice_endings(family, true, known, sizeof known));
     return error_remedy(error, BAT_INVALID_ARGUMENT, "write.format", "names one");
 }
 
@@ -158,8 +157,7 @@ bat_status bat_choice_find(const bat_family *family, const char *name, const bat
     for (size_t i = 0, used = 0; (row = choice_at(family, i)) != NULL && used < sizeof names; i++)
         if (row->use <= BAT_CHOICE_USE_UNLISTED)
             used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", row->name);
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no %s '%.80s'; there are %s", family->what,
-                     name, names);
+    return ERROR_ARGUMENT(error, "there is no %s '%.80s'; there are %s", family->what, name, names);
 }
 
 const char *bat_choice_name(const bat_family *family, int value)
@@ -230,9 +228,8 @@ bat_status settings_read(const bat_choice *row, const char *text, const setting 
         size_t key_length = strcspn(text, "=,");
         const char *key = text;
         if (text[key_length] != '=' || !takes(row, key, key_length))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the scheme %s has no setting '%.*s'; it takes: %s", row->name, (int)key_length, key,
-                             row->settings != NULL ? row->settings : "none");
+            return ERROR_ARGUMENT(error, "the scheme %s has no setting '%.*s'; it takes: %s", row->name, (int)key_length,
+                                  key, row->settings != NULL ? row->settings : "none");
         const char *value = text + key_length + 1;
         size_t length = strcspn(value, ",");
         const setting *to = NULL;
@@ -240,9 +237,8 @@ bat_status settings_read(const bat_choice *row, const char *text, const setting 
             if (strlen(settings[i].key) == key_length && memcmp(settings[i].key, key, key_length) == 0)
                 to = &settings[i];
         if (to == NULL || !store(to, value, length, values))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key, row->name,
-                             (int)length, value);
+            return ERROR_ARGUMENT(error, "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key,
+                                  row->name, (int)length, value);
         more = value[length] == ',';
         text = value + length + more;
     }

@@ -178,5 +178,5 @@ bat_status json_parse(const char *text, size_t size, size_t flags, size_t first_
         return error_memory(error, size);
     json_printable(fault.text);
     size_t line = fault.line > 0 ? first_line + (size_t)fault.line - 1 : first_line;
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "%s", fault.text);
+    return ERROR_FILE(error, line, "%s", fault.text);
 }

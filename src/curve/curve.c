@@ -59,13 +59,11 @@ bat_status bat_curve_check(const bat_curve *curve, bat_error *error)
     size_t least = curve->closed ? 3 : 2;
     if (curve->count < least)
         return error_operand(error,
-                             error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                                       "%s curve needs at least %zu points, not %zu", curve->closed ? "a closed" : "an open",
-                                       least, curve->count),
+                             ERROR_ARGUMENT(error, "%s curve needs at least %zu points, not %zu",
+                                            curve->closed ? "a closed" : "an open", least, curve->count),
                              0);
     if (curve->channel_count > BAT_SPACE_MAX_DIM || (curve->channel_count > 0 && curve->channels == NULL))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "a curve carries up to %d channels, and has their values", BAT_SPACE_MAX_DIM);
+        return ERROR_ARGUMENT(error, "a curve carries up to %d channels, and has their values", BAT_SPACE_MAX_DIM);
     bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
     for (size_t i = 0; i + 1 < curve->count && status == BAT_OK; i++)
         status = check_edge(curve, i, i + 1, error);
@@ -83,8 +81,8 @@ bat_status bat_curve_exterior_angles(const bat_curve *curve, double *angles, bat
     const bat_space *space = curve->space;
     size_t n = curve->count;
     if (space->exterior_angle == NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the %s space of dimension %zu has no signed angles",
-                         space->name, space->dimension);
+        return ERROR_UNSUPPORTED(error, 0, "the %s space of dimension %zu has no signed angles", space->name,
+                                 space->dimension);
     for (size_t i = 0; i < n; i++)
     {
         bool end = !curve->closed && (i == 0 || i + 1 == n);

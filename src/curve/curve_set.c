@@ -102,7 +102,7 @@ static bat_status set_assemble(const bat_space *space, bat_curve *curves, size_t
 bat_status bat_curve_set_take(bat_curve *curves, size_t count, bat_curve_set *set, bat_error *error)
 {
     if (count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a set needs at least one curve");
+        return ERROR_ARGUMENT(error, "a set needs at least one curve");
     return set_assemble(curves[0].space, curves, count, NULL, set, error);
 }
 

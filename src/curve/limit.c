@@ -25,9 +25,8 @@ static bat_status check_sums(const bat_mask *mask, bat_error *error)
     for (size_t parity = 0; parity < 2; parity++)
     {
         if (!(fabs(sums[parity] - 1.0) <= 4.0 * COEFFICIENT_ROUNDING * size))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the mask's coefficients of %s index sum to %.12g, not 1", parity == 0 ? "even" : "odd",
-                             sums[parity]);
+            return ERROR_ARGUMENT(error, "the mask's coefficients of %s index sum to %.12g, not 1",
+                                  parity == 0 ? "even" : "odd", sums[parity]);
     }
     return BAT_OK;
 }

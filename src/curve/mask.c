@@ -23,8 +23,7 @@ static const int INDEX_LIMIT = 1000000;
 bat_status mask_check(const bat_mask *mask, bat_error *error)
 {
     if (mask->count < 1 || mask->count > BAT_MASK_MAX)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has 1 to %d coefficients, not %zu",
-                         BAT_MASK_MAX, mask->count);
+        return ERROR_ARGUMENT(error, "a mask has 1 to %d coefficients, not %zu", BAT_MASK_MAX, mask->count);
     for (size_t k = 0; k < mask->count; k++)
     {
         if (!isfinite(mask->coefficients[k]))
@@ -34,8 +33,8 @@ bat_status mask_check(const bat_mask *mask, bat_error *error)
                              mask->coefficients[k], COEFFICIENT_LIMIT);
     }
     if (mask->first < -INDEX_LIMIT || mask->first > INDEX_LIMIT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the first index of a mask lies in -%d … %d, not %d",
-                         INDEX_LIMIT, INDEX_LIMIT, mask->first);
+        return ERROR_ARGUMENT(error, "the first index of a mask lies in -%d … %d, not %d", INDEX_LIMIT, INDEX_LIMIT,
+                              mask->first);
     return BAT_OK;
 }
 
@@ -43,9 +42,8 @@ bat_status mask_check_place(const bat_mask *mask, bat_error *error)
 {
     int count = (int)mask->count;
     if (mask->first < -2 * count || mask->first > count)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the first index of a mask of %d coefficients lies from %d to %d, not %d", count, -2 * count, count,
-                         mask->first);
+        return ERROR_ARGUMENT(error, "the first index of a mask of %d coefficients lies from %d to %d, not %d", count,
+                              -2 * count, count, mask->first);
     return BAT_OK;
 }
 

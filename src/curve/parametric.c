@@ -15,8 +15,8 @@ bat_status row_space_make(const bat_space *points, size_t channel_count, row_spa
     if (channel_count == 0)
         return BAT_OK;
     if (points->point_dim + channel_count > BAT_SPACE_MAX_DIM || points->tangent_dim + channel_count > BAT_SPACE_MAX_DIM)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                         "a scheme with parameters takes up to %d numbers a point, channels included", BAT_SPACE_MAX_DIM);
+        return ERROR_TOO_LARGE(error, "a scheme with parameters takes up to %d numbers a point, channels included",
+                               BAT_SPACE_MAX_DIM);
     if (space_is_euclidean(points))
     {
         rows->space = bat_euclidean(points->point_dim + channel_count);

@@ -136,11 +136,10 @@ static bat_status check_scheme(const pieces *all, bat_error *error)
     const bat_curve_refine_options *options = &all->plan.options;
     bool is_cut = all->count > 1 || all->list[0].cut[0] || all->list[0].cut[1];
     if (is_cut && options->ends == BAT_CURVE_END_RULE_FREE)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "corners do not go with free ends; choose another rule");
+        return ERROR_UNSUPPORTED(error, 0, "corners do not go with free ends; choose another rule");
     if (is_cut && !corners_stay(options))
-        return error_set(
-            error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-            "corners stay only by a scheme that keeps its points, or by a symmetric mask with ends by reflection");
+        return ERROR_UNSUPPORTED(
+            error, 0, "corners stay only by a scheme that keeps its points, or by a symmetric mask with ends by reflection");
     return all->stops ? stop_check(&all->plan.options, error) : BAT_OK;
 }
 
@@ -275,7 +274,7 @@ static bat_status count_rows(pieces *all, bat_error *error)
         }
         part->count = planned ? part->plan.count : part->count;
         if (part->count > limit || rows > limit - part->count)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has more than %zu points", limit);
+            return ERROR_TOO_LARGE(error, "the refined curve has more than %zu points", limit);
         rows += part->count - !part->closed;
     }
     all->rows = rows + !(all->owned || all->list[0].closed);
@@ -596,8 +595,7 @@ static bat_status refined_rows(const bat_curve *coarse, size_t count, bool corne
     *fine = (bat_curve){.points = room->points, .channels = room->channels, .count = count};
     return count <= room->capacity
                ? BAT_OK
-               : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
-                           count, room->capacity);
+               : ERROR_TOO_LARGE(error, "the refined curve has %zu points, there is room for %zu", count, room->capacity);
 }
 
 bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const unsigned char *joints,

@@ -48,12 +48,12 @@ static bat_status check_space(const bat_space *space, const bat_curve_refine_opt
     const scheme_kind *kind = scheme_kind_of(&options->scheme);
     int curvature;
     if (options->simple == BAT_CURVE_SIMPLE_ALWAYS && !space_is_surface(space, &curvature))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "curves cross only in surfaces (plane, sphere in R^3, disk), not in the %s of dimension %zu",
-                         space->name, space->dimension);
+        return ERROR_UNSUPPORTED(
+            error, 0, "curves cross only in surfaces (plane, sphere in R^3, disk), not in the %s of dimension %zu",
+            space->name, space->dimension);
     if (!kind->linear && (options->snap || options->ends == BAT_CURVE_END_RULE_FREE))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
-                         options->snap ? "be moved to their limit" : "leave the ends free");
+        return ERROR_UNSUPPORTED(error, 0, "only linear schemes can %s",
+                                 options->snap ? "be moved to their limit" : "leave the ends free");
     return kind->suits(&options->scheme, space, error);
 }
 
@@ -105,8 +105,8 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
     const bat_curve_refine_options *options = &plan->options;
     size_t count = coarse->count, levels = options->levels;
     if (!plan_has_room(kernel, count, levels, options->max_points))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                         "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
+        return ERROR_TOO_LARGE(error, "%zu points refined %zu times are too many points (limit %zu)", count, levels,
+                               options->max_points);
     plan->points = (index_range){0, (ptrdiff_t)(count << levels)};
     if (!coarse->closed && options->ends == BAT_CURVE_END_RULE_FREE)
         plan->points = free_range(kernel, &plan->snap, levels, count);
@@ -117,12 +117,11 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
     }
     ptrdiff_t length = plan->points.end - plan->points.begin;
     if (length < 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "nothing is left of %zu points after %zu levels without a rule for the ends", count, levels);
+        return ERROR_ARGUMENT(error, "nothing is left of %zu points after %zu levels without a rule for the ends", count,
+                              levels);
     plan->count = (size_t)length + (plan->ends_added ? 2 : 0);
     if (plan->count > options->max_points)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, more than %zu",
-                         plan->count, options->max_points);
+        return ERROR_TOO_LARGE(error, "the refined curve has %zu points, more than %zu", plan->count, options->max_points);
     return BAT_OK;
 }
 

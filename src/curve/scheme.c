@@ -80,10 +80,10 @@ static bat_status check_mask(const bat_mask *mask, bool affine, bat_error *error
     if (status != BAT_OK)
         return status;
     if (mask_trimmed(mask).count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "all coefficients of the mask are zero");
+        return ERROR_ARGUMENT(error, "all coefficients of the mask are zero");
     if (affine && !is_affine(mask))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a log-exp scheme needs a mask that sums to 1 over its even indices and over its odd ones");
+        return ERROR_UNSUPPORTED(error, 0,
+                                 "a log-exp scheme needs a mask that sums to 1 over its even indices and over its odd ones");
     return BAT_OK;
 }
 
@@ -99,8 +99,7 @@ static bat_status check_geodesic(const bat_curve_scheme *scheme, bat_error *erro
         return status;
     return kernel_has_geodesic(&scheme->mask)
                ? BAT_OK
-               : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                           "a geodesic scheme needs a Lane-Riesenfeld or corner-cutting mask");
+               : ERROR_UNSUPPORTED(error, 0, "a geodesic scheme needs a Lane-Riesenfeld or corner-cutting mask");
 }
 
 static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
@@ -108,9 +107,9 @@ static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
     if (rule == NULL || (rule->angles != NULL && rule->reach >= 1 && rule->reach <= BAT_CURVE_ANGLE_RULE_REACH &&
                          rule->scratch_size <= SIZE_MAX / 2))
         return BAT_OK;
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
-                     BAT_CURVE_ANGLE_RULE_REACH);
+    return ERROR_ARGUMENT(
+        error, "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
+        BAT_CURVE_ANGLE_RULE_REACH);
 }
 
 static bat_status check_auto(const bat_curve_scheme *scheme BAT_UNUSED, bat_error *error BAT_UNUSED)
@@ -155,8 +154,7 @@ static bat_status check_spline(const bat_curve_scheme *scheme, bat_error *error)
     };
     const scheme_row *row = (const scheme_row *)(const void *)scheme->spline;
     if (row == NULL || row->refine == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "spline is no row of a spline: bat_curve_scheme_by_name() sets it");
+        return ERROR_ARGUMENT(error, "spline is no row of a spline: bat_curve_scheme_by_name() sets it");
     return OPTIONS_CHECK(scheme, FIELDS, error);
 }
 
@@ -170,24 +168,25 @@ static bat_status suits_linear(const bat_curve_scheme *scheme BAT_UNUSED, const 
 {
     if (space_is_euclidean(space))
         return BAT_OK;
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                     "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4, or cut corners by "
-                     "chaikin or lane-riesenfeld",
-                     space->name);
+    return ERROR_UNSUPPORTED(
+        error, 0,
+        "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4, or cut corners by "
+        "chaikin or lane-riesenfeld",
+        space->name);
 }
 
 static bat_status suits_angle(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error)
 {
     if (space->exterior_angle == NULL || space->apex == NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
-                         "dimension %zu; try log-exp-4",
-                         space->name, space->dimension);
+        return ERROR_UNSUPPORTED(
+            error, 0,
+            "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
+            "dimension %zu; try log-exp-4",
+            space->name, space->dimension);
     const bat_curve_angle_rule *rule = scheme->rule;
     const char *fault = rule != NULL && rule->fault != NULL ? rule->fault(rule, space) : NULL;
     if (fault != NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s", rule->name,
-                         space->name, fault);
+        return ERROR_UNSUPPORTED(error, 0, "the rule %s is not made for this %s: %s", rule->name, space->name, fault);
     return BAT_OK;
 }
 

@@ -80,8 +80,7 @@ static bat_status check_cuts(const scheme_settings *s, bat_error *error)
 {
     if (0 < s->r && s->r < s->s && s->s < 1)
         return BAT_OK;
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "corner cutting needs 0 < r < s < 1, not r = %g, s = %g",
-                     s->r, s->s);
+    return ERROR_ARGUMENT(error, "corner cutting needs 0 < r < s < 1, not r = %g, s = %g", s->r, s->s);
 }
 
 static bat_status check_order(const scheme_settings *s, bat_error *error)
@@ -162,8 +161,7 @@ static bat_status read_mask(const char *text, bat_curve_scheme *scheme, bat_erro
     {
         double value;
         if (mask.count == BAT_MASK_MAX)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has at most %d coefficients",
-                             BAT_MASK_MAX);
+            return ERROR_ARGUMENT(error, "a mask has at most %d coefficients", BAT_MASK_MAX);
         if (!settings_number(&at, &value))
             return error_set(error, BAT_INVALID_ARGUMENT, mask.count, 0, "coefficient %zu of the mask '%s' is not a number",
                              mask.count, text);
@@ -176,13 +174,13 @@ static bat_status read_mask(const char *text, bat_curve_scheme *scheme, bat_erro
         errno = 0;
         long first = strtol(at + 1, &end, 10);
         if (end == at + 1 || *end != '\0' || errno != 0 || labs(first) > BAT_MASK_MAX)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the first index in the mask '%s' is not a whole number within %d of 0", text, BAT_MASK_MAX);
+            return ERROR_ARGUMENT(error, "the first index in the mask '%s' is not a whole number within %d of 0", text,
+                                  BAT_MASK_MAX);
         mask.first = (int)first;
         at = end;
     }
     if (*at != '\0')
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "'%s' does not belong in a mask", at);
+        return ERROR_ARGUMENT(error, "'%s' does not belong in a mask", at);
     bat_status status = mask_check_place(&mask, error);
     if (status != BAT_OK)
         return status;
@@ -213,8 +211,7 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
     const scheme_row *row = (const scheme_row *)(const void *)choice_find(&bat_curve_scheme_family, name, length);
     if (row == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+        return ERROR_ARGUMENT(error, "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
     if (row->make == NULL && row->refine == NULL)
         return read_mask(text, scheme, error);
     scheme_settings s = row->defaults;

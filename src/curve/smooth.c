@@ -179,9 +179,9 @@ static bat_status make_basis(const smooth_piece *p, bat_error *error)
             vector[c] /= length;
         found++;
     }
-    return found == space->dimension ? BAT_OK
-                                     : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                                                 "smoothing finds no basis of the space '%s'", space->name);
+    return found == space->dimension
+               ? BAT_OK
+               : ERROR_UNSUPPORTED(error, 0, "smoothing finds no basis of the space '%s'", space->name);
 }
 
 /// The numbers of a tangent vector in the frame of its point.
@@ -451,8 +451,7 @@ static bat_status smooth_part(const bat_curve *curve, double scale, size_t first
         return BAT_OK;
     int curvature;
     if (closed && !space_is_euclidean(space) && !space_is_surface(space, &curvature))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "closed curves of the space '%s' cannot be smoothed",
-                         space->name);
+        return ERROR_UNSUPPORTED(error, 0, "closed curves of the space '%s' cannot be smoothed", space->name);
     double noise = 0;
     smooth_piece piece = {.space = space, .count = count, .dim = dim, .tangent = space->tangent_dim, .closed = closed};
     bat_status status = make_piece(&piece, error);

@@ -53,9 +53,7 @@ bat_status stop_check(const bat_curve_refine_options *options, bat_error *error)
         fault = odd ? "a scheme that moves points, unless they are moved onto its limit curve (snap)"
                     : "a scheme that moves points, unless its mask is symmetric and of odd length; choose another, such as "
                       "lane-riesenfeld:order=3, and move points onto its limit curve (snap)";
-    return fault == NULL
-               ? BAT_OK
-               : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "max_edge and tolerance do not go with %s", fault);
+    return fault == NULL ? BAT_OK : ERROR_UNSUPPORTED(error, 0, "max_edge and tolerance do not go with %s", fault);
 }
 
 bat_status curves_median_edge(const bat_curve *curves, size_t count, double *median, bat_error *error)
@@ -344,8 +342,7 @@ static bat_status find_failure(const level_search *search, size_t edges, bat_err
     }
     if (least <= (double)search->options->max_points)
         return BAT_OK;
-    return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has more than %zu points",
-                     search->options->max_points);
+    return ERROR_TOO_LARGE(error, "the refined curve has more than %zu points", search->options->max_points);
 }
 
 /// One round: all undecided edges are decided or move on.

@@ -39,8 +39,7 @@ static const learn_network *find_network(const learn_networks *networks, learn_s
     }
     if (row->recipe == NULL)
         return row;
-    (void)error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file contains no such network; its recipe is '%.60s'",
-                    recipe != NULL ? recipe : "");
+    (void)ERROR_FILE(error, 0, "the file contains no such network; its recipe is '%.60s'", recipe != NULL ? recipe : "");
     return NULL;
 }
 

@@ -54,7 +54,7 @@ static bat_status extract_parameter(const learn_parameter *parameter, const safe
     bool fits = array->rank == parameter->rank && array->shape[0] == (matrix ? parameter->rows : parameter->columns) &&
                 (!matrix || array->shape[1] == parameter->columns);
     if (!fits)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' has the wrong shape", array->name);
+        return ERROR_FILE(error, 0, "array '%s' has the wrong shape", array->name);
     if (array->type == SAFETENSORS_F32)
         for (size_t k = 0; k < array->count; k++)
             values[k] = (real)((const float *)array->values)[k];
@@ -62,8 +62,7 @@ static bat_status extract_parameter(const learn_parameter *parameter, const safe
         for (size_t k = 0; k < array->count; k++)
             values[k] = (real)((const double *)array->values)[k];
     else
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' is not of single or double precision",
-                         array->name);
+        return ERROR_FILE(error, 0, "array '%s' is not of single or double precision", array->name);
     for (size_t k = 0; k < array->count; k++)
         if (!isfinite(values[k]))
             return error_set(error, BAT_BAD_FILE, k, 0, "array '%s' has no finite number at %zu", array->name, k);
@@ -81,7 +80,7 @@ bat_status learn_parameters_extract(const learn_parameters *set, const safetenso
         (void)snprintf(name, sizeof name, "%s%s", prefix, parameter->name);
         const safetensors_array *array = safetensors_find(content, name);
         if (array == NULL)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no array '%s'", name);
+            return ERROR_FILE(error, 0, "there is no array '%s'", name);
         status = extract_parameter(parameter, array, block + parameter->offset, error);
     }
     return status;

@@ -81,13 +81,11 @@ static bat_status find_fitting(const safetensors *content, const char *name, siz
 {
     *array = safetensors_find(content, name);
     if (*array == NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no array '%s'", name);
+        return ERROR_FILE(error, 0, "there is no array '%s'", name);
     if ((*array)->count != count)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' has %zu elements, not %zu", name, (*array)->count,
-                         count);
+        return ERROR_FILE(error, 0, "array '%s' has %zu elements, not %zu", name, (*array)->count, count);
     if (!fits((*array)->type))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' is of the wrong type %s", name,
-                         safetensors_types[(*array)->type].name);
+        return ERROR_FILE(error, 0, "array '%s' is of the wrong type %s", name, safetensors_types[(*array)->type].name);
     return BAT_OK;
 }
 
@@ -113,6 +111,6 @@ bat_status safetensors_doubles(const safetensors *content, const char *name, siz
 #if !BAT_HAS_FILES
 bat_status safetensors_read(const char *path BAT_UNUSED, safetensors *content BAT_UNUSED, bat_error *error)
 {
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "this build of the library reads no files");
+    return ERROR_UNSUPPORTED(error, 0, "this build of the library reads no files");
 }
 #endif

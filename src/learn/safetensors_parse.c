@@ -22,7 +22,7 @@ typedef struct parts
 
 static bat_status fault(bat_error *error, const char *name, const char *what)
 {
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' of the header %s", name, what);
+    return ERROR_FILE(error, 0, "array '%s' of the header %s", name, what);
 }
 
 /// A whole number of 0 or more.
@@ -50,8 +50,8 @@ static bat_status parse_shape(const json_t *value, safetensors_array *array, bat
         return fault(error, array->name, "has no shape");
     array->rank = json_array_size(value);
     if (array->rank > SAFETENSORS_MAX_RANK)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "array '%s' has %zu dimensions, more than %d", array->name,
-                         array->rank, SAFETENSORS_MAX_RANK);
+        return ERROR_UNSUPPORTED(error, 0, "array '%s' has %zu dimensions, more than %d", array->name, array->rank,
+                                 SAFETENSORS_MAX_RANK);
     array->count = 1;
     for (size_t i = 0; i < array->rank; i++)
         if (!size_of(json_array_get(value, i), &array->shape[i]) ||
@@ -103,8 +103,7 @@ static bat_status check_cover(parts *file, bat_error *error)
         end = file->entries[i].end;
     }
     if (end != file->data_size)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu bytes at the end belong to no array",
-                         file->data_size - end);
+        return ERROR_FILE(error, 0, "%zu bytes at the end belong to no array", file->data_size - end);
     return BAT_OK;
 }
 
@@ -131,16 +130,15 @@ static bat_status parse_entries(parts *file, bat_error *error)
 static bat_status open_header(const unsigned char *bytes, size_t size, parts *file, bat_error *error)
 {
     if (size < SAFETENSORS_LENGTH_BYTES)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file is too short to have a header");
+        return ERROR_FILE(error, 0, "the file is too short to have a header");
     uint64_t length;
     safetensors_copy(&length, bytes, 1, sizeof length);
     size_t rest = size - SAFETENSORS_LENGTH_BYTES;
     if (length > SAFETENSORS_MAX_HEADER || length > rest)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "a header of %llu bytes does not fit the file",
-                         (unsigned long long)length);
+        return ERROR_FILE(error, 0, "a header of %llu bytes does not fit the file", (unsigned long long)length);
     const char *text = (const char *)bytes + SAFETENSORS_LENGTH_BYTES;
     if (length == 0 || text[0] != '{')
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header is no JSON object");
+        return ERROR_FILE(error, 0, "the header is no JSON object");
     bat_error cause;
     bat_status status = json_parse(text, (size_t)length, 0, 1, &file->header, &cause);
     if (status == BAT_NO_MEMORY)
@@ -157,11 +155,11 @@ static bat_status check_notes(const json_t *notes, bat_error *error)
     const char *key;
     json_t *value;
     if (notes != NULL && !json_is_object(notes))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s of the header is no object", SAFETENSORS_NOTES);
+        return ERROR_FILE(error, 0, "%s of the header is no object", SAFETENSORS_NOTES);
     json_object_foreach((json_t *)notes, key, value)
     {
         if (!json_is_string(value))
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "note '%s' of the header is no string", key);
+            return ERROR_FILE(error, 0, "note '%s' of the header is no string", key);
     }
     return BAT_OK;
 }

@@ -20,7 +20,7 @@ static bat_status average_matrix_allocate(size_t count, size_t entries, average_
 {
     *matrix = (average_matrix){0};
     if (entries > INT_MAX)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a system of %zu averages is too large to factor", count);
+        return ERROR_TOO_LARGE(error, "a system of %zu averages is too large to factor", count);
     memory_pool *pool = &matrix->pool;
     matrix->first = memory_pool_array(pool, count + 1, sizeof(int));
     matrix->row = memory_pool_array(pool, entries, sizeof(int));

@@ -49,7 +49,7 @@ static bat_status order_unknowns(const symmetric_pattern *pattern, analysis *wor
     if (result == AMD_OUT_OF_MEMORY)
         return error_memory(error, (size_t)pattern->first[pattern->count] * 2 * sizeof(int));
     if (result != AMD_OK && result != AMD_OK_BUT_JUMBLED)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the pattern of a sparse matrix is not valid");
+        return ERROR_ARGUMENT(error, "the pattern of a sparse matrix is not valid");
     for (size_t k = 0; k < work->count; k++)
         work->place[work->order[k]] = (int)k;
     return BAT_OK;

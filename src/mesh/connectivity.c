@@ -29,8 +29,8 @@ typedef struct corner_list
 static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
 {
     if (mesh->face_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
-                         BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
+        return ERROR_TOO_LARGE(error, "the mesh has more than %zu faces or %zu vertices", BAT_MESH_MAX_FACES,
+                               (size_t)BAT_MESH_NONE);
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const uint32_t *corner = mesh->faces + 3 * f;

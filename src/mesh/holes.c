@@ -230,8 +230,7 @@ bat_status bat_mesh_fill_holes(const bat_mesh *mesh, size_t max_edges, size_t *f
     bat_mesh made = {0};
     bat_status status = mesh_check_triangles(mesh, error);
     if (status == BAT_OK && max_edges > BAT_MESH_MAX_HOLE)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "holes of more than %d edges are not filled",
-                           BAT_MESH_MAX_HOLE);
+        status = ERROR_ARGUMENT(error, "holes of more than %d edges are not filled", BAT_MESH_MAX_HOLE);
     if (status == BAT_OK)
         status = bat_mesh_connect(mesh, &links, error);
     if (status != BAT_OK)

@@ -131,10 +131,10 @@ static bat_status check_vertices(const bat_mesh *mesh, bat_error *error)
 static bat_status check_counts(const bat_mesh *mesh, bat_error *error)
 {
     if (mesh->face_count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has no faces");
+        return ERROR_ARGUMENT(error, "the mesh has no faces");
     if (mesh->face_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
-                         BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
+        return ERROR_TOO_LARGE(error, "the mesh has more than %zu faces or %zu vertices", BAT_MESH_MAX_FACES,
+                               (size_t)BAT_MESH_NONE);
     return BAT_OK;
 }
 
@@ -195,7 +195,7 @@ bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = BAT_OK;
     if (mesh->offsets != NULL)
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the faces are polygons, but must be triangles");
+        status = ERROR_UNSUPPORTED(error, 0, "the faces are polygons, but must be triangles");
     if (status == BAT_OK)
         status = check_counts(mesh, error);
     if (status == BAT_OK)
@@ -345,7 +345,7 @@ static void add_face(const bat_mesh *mesh, size_t face, double scale, bat_mesh_n
 bat_status bat_mesh_vertex_normals(const bat_mesh *mesh, bat_mesh_normals weights, double *normals, bat_error *error)
 {
     if (weights != BAT_MESH_NORMALS_ANGLE && weights != BAT_MESH_NORMALS_AREA)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "normals need weights by angle or area");
+        return ERROR_ARGUMENT(error, "normals need weights by angle or area");
     bat_status status = mesh_check_triangles(mesh, error);
     if (status != BAT_OK)
         return status;

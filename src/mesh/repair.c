@@ -544,13 +544,12 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
         return status;
     bool room = work_begin(broken, &work) && repair_drop_faces(&work, &done);
     if (room && work.face_count == 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "every face has the same vertex twice");
+        status = ERROR_ARGUMENT(error, "every face has the same vertex twice");
     else if (!room || !repair_join_faces(&work, &done) || !repair_orient_faces(&work, &done) ||
              !repair_split_vertices(&work, &done))
         status = error_memory(error, 3 * broken->face_count * sizeof(uint32_t));
     if (status == BAT_OK && work.vertex_count >= BAT_MESH_NONE)
-        status = error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the repaired mesh has more than %zu vertices",
-                           (size_t)BAT_MESH_NONE);
+        status = ERROR_TOO_LARGE(error, "the repaired mesh has more than %zu vertices", (size_t)BAT_MESH_NONE);
     if (status == BAT_OK)
         status = carry_all(&work, repaired, error);
     if (status == BAT_OK && report != NULL)
@@ -592,7 +591,7 @@ static bool find_targets(const bat_mesh *mesh, double distance, uint32_t *target
 bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *merged, bat_mesh *welded, bat_error *error)
 {
     if (!(distance >= 0) || !isfinite(distance))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the distance of welding is %g", distance);
+        return ERROR_ARGUMENT(error, "the distance of welding is %g", distance);
     bat_status status = mesh_check_except_degenerate(mesh, error);
     if (status != BAT_OK)
         return status;

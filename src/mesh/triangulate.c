@@ -229,7 +229,7 @@ bat_status mesh_cut_polygons(bat_mesh *mesh, uint32_t **offsets, bat_error *erro
 {
     size_t count = mesh->offsets[mesh->face_count] - 2 * mesh->face_count, largest = 0;
     if (count > BAT_MESH_MAX_FACES)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu triangles", BAT_MESH_MAX_FACES);
+        return ERROR_TOO_LARGE(error, "the mesh has more than %zu triangles", BAT_MESH_MAX_FACES);
     for (size_t f = 0; f < mesh->face_count; f++)
         largest = mesh->offsets[f + 1] - mesh->offsets[f] > largest ? mesh->offsets[f + 1] - mesh->offsets[f] : largest;
     bool textured = mesh->texture_faces != NULL, labelled = mesh->face_labels != NULL;

@@ -34,12 +34,11 @@ bat_status hermite_check_counts(const bat_hermite_curve *curve, bat_error *error
     size_t minimum = curve->closed ? 3 : 2;
     if (curve->count < minimum)
         return error_operand(error,
-                             error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                                       "%s curve needs at least %zu points, not %zu", curve->closed ? "a closed" : "an open",
-                                       minimum, curve->count),
+                             ERROR_ARGUMENT(error, "%s curve needs at least %zu points, not %zu",
+                                            curve->closed ? "a closed" : "an open", minimum, curve->count),
                              0);
     if (curve->points == NULL || curve->tangents == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a Hermite curve has points and tangents");
+        return ERROR_ARGUMENT(error, "a Hermite curve has points and tangents");
     return BAT_OK;
 }
 
@@ -142,9 +141,9 @@ bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts par
     status = shared_work_end(&work, error);
     if (status == BAT_OK && curve->closed && curve->times != NULL &&
         !(isfinite(curve->closing_time) && curve->closing_time > 0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "a closed curve with times takes a positive time from its last point to its first, not %g",
-                         curve->closing_time);
+        return ERROR_ARGUMENT(error,
+                              "a closed curve with times takes a positive time from its last point to its first, not %g",
+                              curve->closing_time);
     if (status == BAT_OK && parts.edges && curve->closed)
         status = check_edge(curve, curve->count - 1, 0, parts.admissible, error);
     return status;
@@ -153,13 +152,12 @@ bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts par
 bat_status hermite_check_velocities(const bat_hermite_curve *curve, bat_error *error)
 {
     if (curve->kind == BAT_HERMITE_TANGENTS_DIRECTIONS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the tangents are directions of unit length, not velocities: estimate velocities from points and "
-                         "times by bat_hermite_estimate_tangents(), or refine by bat_hermite_refine()");
+        return ERROR_ARGUMENT(
+            error, "the tangents are directions of unit length, not velocities: estimate velocities from points and "
+                   "times by bat_hermite_estimate_tangents(), or refine by bat_hermite_refine()");
     if (curve->kind == BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES && curve->times != NULL)
-        return error_set(
-            error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-            "the tangents are derivatives by the index, not velocities: divide them by the time between points");
+        return ERROR_ARGUMENT(
+            error, "the tangents are derivatives by the index, not velocities: divide them by the time between points");
     return BAT_OK;
 }
 

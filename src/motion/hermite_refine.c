@@ -54,8 +54,8 @@ static bat_status lay_out(hermite_plan *plan, bat_error *error)
                                     : kernel_lane_riesenfeld(coarse->space, plan->dim, options->order, hermite_row_average);
     plan->task = (cascade){.kernel = kernel_made, .levels = levels, .count = count, .closed = coarse->closed};
     if (!plan_has_room(&plan->task.kernel, count, levels, options->max_points))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                         "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
+        return ERROR_TOO_LARGE(error, "%zu points refined %zu times are too many points (limit %zu)", count, levels,
+                               options->max_points);
     const refine_kernel *kernel = &plan->task.kernel;
     bool dual = ((kernel->first + kernel->last) & 1) != 0;
     plan->ends_added = !coarse->closed && levels > 0 && dual;
@@ -63,8 +63,7 @@ static bat_status lay_out(hermite_plan *plan, bat_error *error)
         coarse->closed ? (index_range){0, (ptrdiff_t)(count << levels)} : plan_between_ends(kernel, levels, count);
     plan->count = (size_t)(plan->task.result.end - plan->task.result.begin) + (plan->ends_added ? 2 : 0);
     if (plan->count > options->max_points)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, more than %zu",
-                         plan->count, options->max_points);
+        return ERROR_TOO_LARGE(error, "the refined curve has %zu points, more than %zu", plan->count, options->max_points);
     plan->task.threads = options->threads;
     index_range support = cascade_support(&plan->task);
     plan->before = support.begin < 0 ? (size_t)-support.begin : 0;

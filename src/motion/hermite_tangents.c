@@ -200,8 +200,7 @@ static bat_status estimate_tangents(estimate *e, size_t order, bat_error *error)
 bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error)
 {
     if (order != 2 && order != HIGHEST_ORDER)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangents are estimated with order 2 or 4, not %zu",
-                         order);
+        return ERROR_ARGUMENT(error, "tangents are estimated with order 2 or 4, not %zu", order);
     bat_status status = space_check_complete(curve->space, error);
     if (status == BAT_OK)
         status = hermite_check_counts(curve, error);

@@ -359,10 +359,11 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
     size_t known = motion_channels_count(channels);
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].channel_count != known)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "motions have points, times and velocities; other columns, here %zu, have no place: a "
-                             "table of times and points is read (batten curve IN -o TABLE.csv --levels 0 writes one)",
-                             set->curves[i].channel_count - known);
+            return ERROR_UNSUPPORTED(
+                error, 0,
+                "motions have points, times and velocities; other columns, here %zu, have no place: a "
+                "table of times and points is read (batten curve IN -o TABLE.csv --levels 0 writes one)",
+                set->curves[i].channel_count - known);
     bool closed = options->period == 0;
     for (size_t i = 0; i < set->count; i++)
         closed = closed || set->curves[i].closed;
@@ -370,15 +371,14 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
         return error_option(error, "period", "is of closed motions, but all are open");
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].corners != NULL)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "motions have no corners: a column of corners has no place");
+            return ERROR_UNSUPPORTED(error, 0, "motions have no corners: a column of corners has no place");
     bool degrees = set->attributes != NULL && set->attributes->degrees;
     if (options->uncertainty && options->spline.sigma == 0 && options->spline.angle_sigma == 0 &&
         options->spline.gyro == NULL)
         return error_option(error, "uncertainty", "is of smoothed motions: sigma smooths");
     if ((options->velocities || options->uncertainty) && (is_nameless(set) || degrees))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",
-                         set->space->name, degrees ? " in degrees" : "");
+        return ERROR_UNSUPPORTED(error, 0, "files have no columns for velocities in the space %s%s", set->space->name,
+                                 degrees ? " in degrees" : "");
     return BAT_OK;
 }
 
@@ -477,7 +477,7 @@ bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const
     double drift[BAT_SPACE_MAX_DIM];
     options = options != NULL ? options : &defaults;
     if (bat_motion_method_for(set, options) != BAT_MOTION_METHOD_SPLINE)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the points get a Hermite scheme, not a spline");
+        return ERROR_UNSUPPORTED(error, 0, "the points get a Hermite scheme, not a spline");
     bat_status status = take_data(set, curve, options, &keys, drift, error);
     if (status != BAT_OK)
         return status;
@@ -641,8 +641,8 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
     else if (options->times == NULL)
         wanted = ldexp((double)intervals, (int)options->scheme.levels) + (keys->closed ? 0 : 1);
     if (!(wanted <= (double)options->scheme.max_points))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%.15g points would be made, but at most %zu are allowed%s",
-                         wanted, options->scheme.max_points, options->rate > 0 ? "; a lower rate makes fewer" : "");
+        return ERROR_TOO_LARGE(error, "%.15g points would be made, but at most %zu are allowed%s", wanted,
+                               options->scheme.max_points, options->rate > 0 ? "; a lower rate makes fewer" : "");
     *count = (size_t)wanted;
     return BAT_OK;
 }

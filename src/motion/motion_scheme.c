@@ -37,8 +37,7 @@ bat_status bat_motion_scheme_by_name(const char *name, bat_motion_curves_options
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
     const entry *e = (const entry *)(const void *)choice_find(&bat_motion_scheme_family, name, length);
     if (e == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+        return ERROR_ARGUMENT(error, "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
     settings s = {.order = 1};
     bat_status status = settings_read(&e->choice, text, SETTINGS, sizeof SETTINGS / sizeof *SETTINGS, &s, error);
     if (status == BAT_OK && s.order != floor(s.order))

@@ -122,8 +122,8 @@ static bat_status motion_spline_options_check(const void *opaque, bat_error *err
             return error_option(error, i == 0 ? "sigma" : "angle_sigma", "is %g, but must be at least 0, or automatic",
                                 sigmas[i]);
     if (options->outliers != BAT_MOTION_OUTLIERS_NONE && options->sigma == 0 && options->angle_sigma == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "outliers '%s' need sigma",
-                         bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));
+        return ERROR_ARGUMENT(error, "outliers '%s' need sigma",
+                              bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));
     bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
     if (given && options->ends != BAT_MOTION_ENDS_CLAMPED)
         return error_option(error, "begin_velocity", "and end_velocity go with clamped ends, not %s",
@@ -173,7 +173,7 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
         return error_memory(error, MAX_FACTORS * sizeof *spline->factors);
     spline->factor_count = spline_factors(space, spline->factors, MAX_FACTORS);
     if (spline->factor_count == 0)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the product has more than %d factors", MAX_FACTORS);
+        return ERROR_TOO_LARGE(error, "the product has more than %d factors", MAX_FACTORS);
     for (size_t i = 0; i < spline->factor_count; i++)
     {
         spline_factor *f = &spline->factors[i];
@@ -286,13 +286,13 @@ static bat_status check_sigma(const bat_hermite_curve *keys, const bat_motion_sp
     if (options->sigma == 0 && options->angle_sigma == 0)
         return BAT_OK;
     if (!rigid && !space_is_euclidean(space) && !space_is_rotation(space))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "sigma is for R^n, rotations and rigid motions, not for the space %s", space->name);
+        return ERROR_UNSUPPORTED(error, 0, "sigma is for R^n, rotations and rigid motions, not for the space %s",
+                                 space->name);
     if (keys->closed)
         fault = "sigma does not go with closed motions";
     if (keys->tangents != NULL)
         fault = "sigma does not go with given velocities";
-    return fault == NULL ? BAT_OK : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "%s", fault);
+    return fault == NULL ? BAT_OK : ERROR_UNSUPPORTED(error, 0, "%s", fault);
 }
 
 /// The sigma of a factor of a space.

@@ -299,8 +299,8 @@ static bat_status check_gyro(const double *times, size_t count, const bat_motion
 {
     char digits[4][NUMBER_DIGITS_SIZE];
     if (count < MIN_KEYS || gyro->count < 2)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a gyroscope needs %d keys and 2 rates at least, not %zu and %zu", MIN_KEYS, count, gyro->count);
+        return ERROR_UNSUPPORTED(error, 0, "a gyroscope needs %d keys and 2 rates at least, not %zu and %zu", MIN_KEYS,
+                                 count, gyro->count);
     for (size_t i = 0; i < gyro->count; i++)
         if (!isfinite(gyro->times[i]) || (i > 0 && !(gyro->times[i] > gyro->times[i - 1])) ||
             !isfinite(vector_square(3, gyro->rates + 3 * i)) ||
@@ -309,10 +309,9 @@ static bat_status check_gyro(const double *times, size_t count, const bat_motion
                              "measurement %zu of the gyroscope is not finite, or not later than the one before", i);
     double first = gyro->times[0], last = gyro->times[gyro->count - 1], step = (last - first) / (double)(gyro->count - 1);
     if (first > times[0] + step || last < times[count - 1] - step)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the rates of the gyroscope, %s to %s, do not cover the keys, %s to %s",
-                         number_digits(first, digits[0]), number_digits(last, digits[1]), number_digits(times[0], digits[2]),
-                         number_digits(times[count - 1], digits[3]));
+        return ERROR_ARGUMENT(error, "the rates of the gyroscope, %s to %s, do not cover the keys, %s to %s",
+                              number_digits(first, digits[0]), number_digits(last, digits[1]),
+                              number_digits(times[0], digits[2]), number_digits(times[count - 1], digits[3]));
     return BAT_OK;
 }
 
@@ -359,7 +358,7 @@ bat_status gyro_fuse(const double *times, const double *keys, size_t count, cons
         change = sqrt(vector_square(3, work.correction)) * span;
     }
     if (status == BAT_OK && !(found && isfinite(change)))
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the keys do not tell the bias of the gyroscope");
+        status = ERROR_UNSUPPORTED(error, 0, "the keys do not tell the bias of the gyroscope");
     if (status == BAT_OK && contradicts(&work, work.noise * sqrt(work.ratio / work.step)))
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                            "the rates of the gyroscope contradict the turns of the keys: check the order, the signs and the "

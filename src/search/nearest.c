@@ -301,7 +301,7 @@ void neighbour_list_free(neighbour_list *list)
 bat_status neighbours_build(const double *points, size_t count, nearest_tree *tree, bat_error *error)
 {
     if (count > UINT32_MAX)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu points, more than %u", count, UINT32_MAX);
+        return ERROR_TOO_LARGE(error, "there are %zu points, more than %u", count, UINT32_MAX);
     return nearest_build(NEAREST_POINTS, points, NULL, count, 3, tree, error);
 }
 

@@ -114,7 +114,7 @@ static bat_status geodesic(const bat_space *space, const double *p, const double
 bat_status bat_product(const bat_product_factors *factors, bat_space *product, bat_error *error)
 {
     if (factors->count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a product needs at least one factor");
+        return ERROR_ARGUMENT(error, "a product needs at least one factor");
     bat_space whole = {
         .name = "product",
         .injectivity = INFINITY,

@@ -73,8 +73,7 @@ static bat_status geodesic(const bat_space *space, const double *p, const double
 bat_status bat_rigid(double translation_weight, bat_space *space, bat_error *error)
 {
     if (!(translation_weight > 0 && isfinite(translation_weight)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the weight of translations is not a positive number");
+        return ERROR_ARGUMENT(error, "the weight of translations is not a positive number");
     *space = (bat_space){
         .name = "rigid",
         .dimension = 6,

@@ -77,8 +77,7 @@ bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *spac
         return status;
     bat_space found = ((const space_row *)(const void *)row)->make(point_dim);
     if (point_dim != 0 && found.point_dim != point_dim)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a point of the %s has %zu coordinates, not %zu",
-                         name, found.point_dim, point_dim);
+        return ERROR_ARGUMENT(error, "a point of the %s has %zu coordinates, not %zu", name, found.point_dim, point_dim);
     *space = found;
     return BAT_OK;
 }
@@ -131,11 +130,10 @@ bat_status space_check_complete(const bat_space *space, bat_error *error)
     const char *lack = space != NULL ? space_lack(space) : "definition";
     const char *name = space != NULL && space->name != NULL ? space->name : "without a name";
     if (lack != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the space %s has no %s", name, lack);
+        return ERROR_ARGUMENT(error, "the space %s has no %s", name, lack);
     if (space->point_dim > BAT_SPACE_MAX_DIM || space->tangent_dim > BAT_SPACE_MAX_DIM)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the space %s stores %zu numbers a point and %zu a tangent vector, more than %d", name,
-                         space->point_dim, space->tangent_dim, BAT_SPACE_MAX_DIM);
+        return ERROR_ARGUMENT(error, "the space %s stores %zu numbers a point and %zu a tangent vector, more than %d", name,
+                              space->point_dim, space->tangent_dim, BAT_SPACE_MAX_DIM);
     return BAT_OK;
 }
 

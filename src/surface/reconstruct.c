@@ -128,8 +128,7 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     bat_cloud *cloud = work->cloud;
     bat_status status = bat_cloud_check(cloud, error);
     if (status == BAT_OK && cloud->count < MIN_POINTS)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                           "a surface patch needs at least four points, the cloud has %zu", cloud->count);
+        status = ERROR_ARGUMENT(error, "a surface patch needs at least four points, the cloud has %zu", cloud->count);
     bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
     if (status == BAT_OK && !given)
         status = canonical_order_apply(cloud, error);

@@ -634,8 +634,8 @@ static bat_status run(area_job *job, bool tested, double *largest, bat_error *er
     if (!apart || *largest > AREA_PROMISE)
     {
         restore(job);
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                           "the area of the ring cannot be kept to %g of it without crossings", AREA_PROMISE);
+        status =
+            ERROR_UNSUPPORTED(error, 0, "the area of the ring cannot be kept to %g of it without crossings", AREA_PROMISE);
         return error_operand(error, error_curve(error, status, ring), 0);
     }
     return BAT_OK;
@@ -650,7 +650,7 @@ bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_
     job.sphere = space_is_sphere(curves[0].space);
     job.keeps_points = scheme_keeps_points(&options->scheme) && !options->snap;
     if (!job.sphere && !space_is_plane(curves[0].space))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "areas can be kept in the plane and on the sphere only");
+        return ERROR_UNSUPPORTED(error, 0, "areas can be kept in the plane and on the sphere only");
     bat_status status = prepare(&job, error);
     if (status == BAT_OK)
         status = run(&job, tested, &report->largest_area_error, error);

@@ -496,8 +496,8 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     bool has_chart = chart_of_space(space, options->decimals, &chart);
     bool tested = has_chart && job->refine.simple != BAT_CURVE_SIMPLE_NEVER;
     if (job->refine.ends == BAT_CURVE_END_RULE_FREE)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the end rule free leaves gaps between the arcs of a map; refine the curves separately");
+        return ERROR_UNSUPPORTED(error, 0,
+                                 "the end rule free leaves gaps between the arcs of a map; refine the curves separately");
     job->straight.edges = has_chart && chart.globe ? options->edges : BAT_CURVE_MAP_EDGES_GEODESIC;
     job->straight.unit = has_chart && chart.globe ? ROUNDED / chart.units_per_degree : 0;
     bat_status status = prepare(job, has_chart ? &chart : NULL, options, error);
@@ -518,7 +518,7 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     if (options->keep_area)
         status = has_chart ? arcs_keep_area(&job->graph, job->curves, job->count, &job->refine, &chart, tested, &job->fine,
                                             &job->report, error)
-                           : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "there are no areas in this space");
+                           : ERROR_UNSUPPORTED(error, 0, "there are no areas in this space");
     if (status != BAT_OK)
         return status;
     job->result = calloc(job->count, sizeof *job->result);

@@ -31,7 +31,7 @@ static double scale_for(const double *values, size_t count)
 bat_status bat_curve_summarize(const double *values, size_t count, bat_curve_summary *summary, bat_error *error)
 {
     if (count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no numbers to summarize");
+        return ERROR_ARGUMENT(error, "there are no numbers to summarize");
     for (size_t i = 0; i < count; i++)
         if (isnan(values[i]))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "number %zu of the set is not a number", i);
@@ -138,7 +138,7 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_op
     double offset = options == NULL ? BAT_CURVE_BENDING_OFFSET : options->bending_offset;
     bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status == BAT_OK && curve->count == 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the curve has no points");
+        status = ERROR_ARGUMENT(error, "the curve has no points");
     if (status == BAT_OK)
         status = bat_space_check(curve->space, curve->points, curve->count, error);
     walk walker = {0};
@@ -359,7 +359,7 @@ static bat_status compare_one_way(const bat_curve *from, const bat_curve *to, co
 static bat_status check_points(const bat_curve *curve, const char *which, bool geodesic, bat_error *error)
 {
     if (curve->count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s curve has no points", which);
+        return ERROR_ARGUMENT(error, "the %s curve has no points", which);
     bat_status status = coordinates_check(curve, which, error);
     return status == BAT_OK && geodesic ? bat_space_check(curve->space, curve->points, curve->count, error) : status;
 }
@@ -369,13 +369,12 @@ static bat_status check_pair(const bat_curve *first, const bat_curve *second, co
 {
     const bat_space *a = first->space, *b = second->space;
     if (options->geodesic && options->to_segments)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "distances to edges are chordal, not geodesic");
+        return ERROR_UNSUPPORTED(error, 0, "distances to edges are chordal, not geodesic");
     if (a->point_dim != b->point_dim)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the first curve has %zu coordinates a point and the second %zu", a->point_dim, b->point_dim);
+        return ERROR_ARGUMENT(error, "the first curve has %zu coordinates a point and the second %zu", a->point_dim,
+                              b->point_dim);
     if (options->geodesic && (a->distance != b->distance || a->parameters != b->parameters))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the first curve lies in the space %s and the second in %s", a->name, b->name);
+        return ERROR_ARGUMENT(error, "the first curve lies in the space %s and the second in %s", a->name, b->name);
     bat_status status = error_operand(error, check_points(first, "first", options->geodesic, error), 0);
     return status == BAT_OK ? error_operand(error, check_points(second, "second", options->geodesic, error), 1) : status;
 }

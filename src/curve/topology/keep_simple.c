@@ -45,10 +45,11 @@ static bat_status only_count(const bat_curve *fine, bool must, bat_curve_refine_
     if (status != BAT_OK)
         return status;
     if (must && count.pairs > 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the refined curve crosses itself after its point %zu, and the scheme does not keep the given "
-                         "points, to which it could be drawn back",
-                         count.first);
+        return ERROR_UNSUPPORTED(
+            error, 0,
+            "the refined curve crosses itself after its point %zu, and the scheme does not keep the given "
+            "points, to which it could be drawn back",
+            count.first);
     report->crossings = count.pairs;
     report->crossing = report->left_crossing = count.pairs > 0;
     return BAT_OK;
@@ -119,11 +120,11 @@ bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat_error *
 {
     surface_kind kind;
     if (!surface_of_space(curve->space, &kind))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "curves cross only in surfaces (plane, sphere in R^3, disk), not in the %s of dimension %zu",
-                         curve->space->name, curve->space->dimension);
+        return ERROR_UNSUPPORTED(
+            error, 0, "curves cross only in surfaces (plane, sphere in R^3, disk), not in the %s of dimension %zu",
+            curve->space->name, curve->space->dimension);
     if (curve->count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a curve without points");
+        return ERROR_ARGUMENT(error, "a curve without points");
     bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
     if (status == BAT_OK && kind == SURFACE_SPHERE)
         status = check_edges(curve, error);

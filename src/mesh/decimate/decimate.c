@@ -611,8 +611,7 @@ static bat_status mesh_decimate_options_check(const void *opaque, bat_error *err
     int targets = (options->vertices > 0) + (options->faces > 0) + (options->ratio > 0) + (options->tolerance > 0);
     if (targets <= 1)
         return BAT_OK;
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
+    return ERROR_ARGUMENT(error, "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
 }
 
 const bat_options_table bat_mesh_decimate_fields =
@@ -623,11 +622,10 @@ static bat_status find_target(const bat_mesh *fine, const bat_mesh_decimate_opti
                               bat_error *error)
 {
     if (options->vertices > fine->vertex_count)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the mesh has %zu vertices, fewer than the %zu wanted", fine->vertex_count, options->vertices);
+        return ERROR_ARGUMENT(error, "the mesh has %zu vertices, fewer than the %zu wanted", fine->vertex_count,
+                              options->vertices);
     if (options->faces > fine->face_count)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has %zu faces, fewer than the %zu wanted",
-                         fine->face_count, options->faces);
+        return ERROR_ARGUMENT(error, "the mesh has %zu faces, fewer than the %zu wanted", fine->face_count, options->faces);
     *target = (decimation_target){options->vertices, options->faces};
     if (options->ratio > 0)
         target->faces = (size_t)fmax(1, options->ratio * (double)fine->face_count);

@@ -51,7 +51,7 @@ bat_status map_append(bat_mesh_map *map, const collapse_ring *ring, const double
 {
     size_t entries = ring->count + ring->vanishing, points = FLAT_RING + collapse_ring_vertices(ring);
     if (map->entry_count + entries >= MAP_NONE || map->point_count + points >= MAP_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the map would have more than %u entries", MAP_NONE);
+        return ERROR_TOO_LARGE(error, "the map would have more than %u entries", MAP_NONE);
     if (!reserve(map, entries, points))
         return error_memory(error, map->point_room * 2 * sizeof *map->points);
     map->collapses[map->collapse_count++] = (map_collapse){.first_entry = (uint32_t)map->entry_count,
@@ -119,10 +119,10 @@ bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_me
 {
     if (fine != NULL && (fine->vertex_count != map->fine_vertices || fine->face_count != map->fine_faces ||
                          map_digest(fine) != map->fine_digest))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the map does not belong to this fine mesh");
+        return ERROR_ARGUMENT(error, "the map does not belong to this fine mesh");
     if (coarse != NULL && (coarse->vertex_count != map->coarse_vertices || coarse->face_count != map->coarse_faces ||
                            map_digest(coarse) != map->coarse_digest))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the map does not belong to this coarse mesh");
+        return ERROR_ARGUMENT(error, "the map does not belong to this coarse mesh");
     return BAT_OK;
 }
 
@@ -440,8 +440,7 @@ bat_status map_inspect(const bat_mesh_map *map, bat_error *error)
         else if (!mark_faces(map, (uint32_t)c, state))
             status = invalid_collapse(error, c, "refers to a removed face");
     if (status == BAT_OK && !kept_is_valid(map, state))
-        status =
-            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's remaining faces differ from those that it lists");
+        status = ERROR_FILE(error, 0, "the map's remaining faces differ from those that it lists");
     free(state);
     return status;
 }

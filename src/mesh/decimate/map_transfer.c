@@ -426,9 +426,8 @@ bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, 
     if (status == BAT_OK) // the points become their images
         status = bat_mesh_map_to_fine(map, split.points, split.vertex_count, error);
     if (status == BAT_OK && (refined->vertex_count != split.vertex_count || refined->face_count != split.face_count))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                           "the mesh is not the coarse one subdivided %zu times: it has %zu vertices, not %zu", levels,
-                           refined->vertex_count, split.vertex_count);
+        status = ERROR_ARGUMENT(error, "the mesh is not the coarse one subdivided %zu times: it has %zu vertices, not %zu",
+                                levels, refined->vertex_count, split.vertex_count);
     if (status == BAT_OK)
         status = set_channels(fine, split.points, split.vertex_count, &signals, error);
     if (status == BAT_OK && fine->texture != NULL)

@@ -33,8 +33,7 @@ bat_status tolerance_make(const bat_mesh *fine, const bat_mesh_connectivity *top
     size_t count = fine->vertex_count + topology->edge_count + fine->face_count;
     *made = (tolerance){.bound = bound};
     if (count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a bound on the distance needs %zu samples, more than %u",
-                         count, BAT_MESH_NONE - 1);
+        return ERROR_TOO_LARGE(error, "a bound on the distance needs %zu samples, more than %u", count, BAT_MESH_NONE - 1);
     bat_status status = closest_build(fine, closest_largest(fine->positions, 3 * fine->vertex_count, 0), &made->tree, error);
     if (status != BAT_OK)
         return status;

@@ -447,7 +447,7 @@ static bat_status plan_samples(compare_side *side, const char *which, size_t sam
     for (size_t f = 0; f < faces; f++)
         side->area += area_of(side, side->tree.faces[f]);
     if (!(side->area > 0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s mesh has no area", which);
+        return ERROR_ARGUMENT(error, "the %s mesh has no area", which);
     side->samples = memory_pool_array(&side->pool, faces + 1, sizeof *side->samples);
     if (side->samples == NULL)
         return error_memory(error, faces * sizeof *side->samples);

@@ -597,9 +597,8 @@ static bat_status take_marks(adaptive_work *work, const bat_mesh *coarse, adapti
     mesh_level level = {.faces = coarse->faces, .sides = now->sides, .links = &links};
     bat_status status = mesh_plan_make(coarse, work->options, &plan, error);
     if (status == BAT_OK && plan.rules.boundary == BAT_MESH_BOUNDARY_NONE)
-        status = error_remedy(
-            error, error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "adaptive refinement keeps the faces at the boundary"),
-            "rules.boundary", "edges or corners does, too");
+        status = error_remedy(error, ERROR_UNSUPPORTED(error, 0, "adaptive refinement keeps the faces at the boundary"),
+                              "rules.boundary", "edges or corners does, too");
     if (status == BAT_OK)
         status = sides_connect(&now->sides, coarse->faces, coarse->face_count, coarse->vertex_count, &links, error);
     if (status == BAT_OK)
@@ -681,10 +680,9 @@ static bat_status check_memory(adaptive_work *work, const adaptive_level *now, s
     work->held += (size_t)level;
     if (work->max_memory == 0 || bytes <= (double)work->max_memory)
         return BAT_OK;
-    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                    "level %zu of adaptive refinement takes %.3g GB of memory, more than the %.3g GB %s", depth + 1,
-                    bytes / gigabyte, (double)work->max_memory / gigabyte,
-                    work->options->max_memory > 0 ? "allowed" : "available");
+    (void)ERROR_TOO_LARGE(error, "level %zu of adaptive refinement takes %.3g GB of memory, more than the %.3g GB %s",
+                          depth + 1, bytes / gigabyte, (double)work->max_memory / gigabyte,
+                          work->options->max_memory > 0 ? "allowed" : "available");
     return error_remedy(error, BAT_TOO_LARGE, work->options->tolerance > 0 ? "tolerance" : "max_edge", "can be larger");
 }
 
@@ -699,8 +697,7 @@ static bat_status run(adaptive_work *work, bat_error *error)
         if (status != BAT_OK || count == 0)
             return status;
         if (depth == MAX_DEPTH)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                             "%d levels do not reach the tolerance or the edge length", MAX_DEPTH);
+            return ERROR_TOO_LARGE(error, "%d levels do not reach the tolerance or the edge length", MAX_DEPTH);
         status = check_memory(work, &work->levels[depth], depth, count, error);
         if (status == BAT_OK)
             status = descend(work, &work->levels[depth], &work->levels[depth + 1], error);

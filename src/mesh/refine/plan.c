@@ -62,25 +62,22 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
 {
     const mesh_scheme *last = last_scheme(options);
     if (options->crease_angle > 0 && !last->creases)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "only Loop's and Catmull and Clark's schemes make creases");
+        return ERROR_UNSUPPORTED(error, 0, "only Loop's and Catmull and Clark's schemes make creases");
     if ((options->tolerance > 0 || options->max_edge > 0) && !mesh_scheme_of(options->scheme)->creases)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "adaptive refinement needs a scheme with a limit surface: loop or catmull-clark");
+        return ERROR_UNSUPPORTED(error, 0, "adaptive refinement needs a scheme with a limit surface: loop or catmull-clark");
     if ((options->tolerance > 0 || options->max_edge > 0) && options->limit_normals != NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "adaptive refinement has no limit normals");
+        return ERROR_UNSUPPORTED(error, 0, "adaptive refinement has no limit normals");
     const bat_mesh_rules *rules = &options->rules;
     if ((rules->boundary != BAT_MESH_BOUNDARY_AUTO || rules->creasing != BAT_MESH_CREASING_AUTO ||
          rules->linear != BAT_MESH_LINEAR_AUTO) &&
         !last->creases)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the scheme %s has no rules of boundaries, creases and texture; loop and catmull-clark have",
-                         last->choice.name);
+        return ERROR_UNSUPPORTED(
+            error, 0, "the scheme %s has no rules of boundaries, creases and texture; loop and catmull-clark have",
+            last->choice.name);
     if (!last->turns)
         return BAT_OK;
     if (options->limit)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "limit positions of square-root-three subdivision are not supported");
+        return ERROR_UNSUPPORTED(error, 0, "limit positions of square-root-three subdivision are not supported");
     return BAT_OK;
 }
 
@@ -250,9 +247,9 @@ static bat_status check_memory(const mesh_plan *plan, const bat_mesh *coarse, co
     size_t fitting = levels;
     while (fitting > 0 && bytes_of_levels(plan, coarse, sizes, fitting) > most)
         fitting--;
-    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                    "%zu levels take %.3g GB of memory for %.3g faces, more than the %.3g GB %s", levels, bytes / gigabyte,
-                    (double)sizes[levels].mesh.faces, most / gigabyte, given > 0 ? "allowed" : "available");
+    (void)ERROR_TOO_LARGE(error, "%zu levels take %.3g GB of memory for %.3g faces, more than the %.3g GB %s", levels,
+                          bytes / gigabyte, (double)sizes[levels].mesh.faces, most / gigabyte,
+                          given > 0 ? "allowed" : "available");
     return error_remedy(error, BAT_TOO_LARGE, "levels", "%zu fits", fitting);
 }
 
@@ -271,10 +268,11 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
         texture = size_of_next(scheme, texture, 0);
         if (!is_numbered(mesh) || !is_numbered(texture))
         {
-            (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                            "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "
-                            "faces already",
-                            level + 1, plan->options.levels, coarse->face_count);
+            (void)ERROR_TOO_LARGE(
+                error,
+                "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "
+                "faces already",
+                level + 1, plan->options.levels, coarse->face_count);
             return error_remedy(error, BAT_TOO_LARGE, "levels", "%zu is possible", level);
         }
         sizes[level + 1] = (level_size){mesh, texture};

@@ -124,10 +124,10 @@ static bat_status leave_out_boundary(const mesh_level *level, const bat_mesh *co
         mark_boundary(level, coarse, marked);
         keep_faces(level, marked, levels, sides->quads ? 4 : 3, fine, normals, numbers);
         if (fine->face_count == 0)
-            status = error_remedy(error,
-                                  error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                                            "every face is at the boundary, and the boundary rule 'none' leaves those out"),
-                                  "rules.boundary", "edges keeps them");
+            status = error_remedy(
+                error,
+                ERROR_UNSUPPORTED(error, 0, "every face is at the boundary, and the boundary rule 'none' leaves those out"),
+                "rules.boundary", "edges keeps them");
     }
     free(marked);
     free(numbers);

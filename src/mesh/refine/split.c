@@ -281,8 +281,7 @@ bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *l
                            bat_error *error)
 {
     if (links->face_count > BAT_MESH_MAX_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
-                         BAT_MESH_MAX_FACES);
+        return ERROR_TOO_LARGE(error, "the refined mesh would have more than %zu faces", BAT_MESH_MAX_FACES);
     split_mesh made = {.faces = memory_array(links->face_count, 12 * sizeof *made.faces)};
     if (made.faces == NULL)
         return error_memory(error, links->face_count * 12 * sizeof *made.faces);

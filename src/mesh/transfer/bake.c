@@ -419,7 +419,7 @@ bat_status bat_mesh_bake_painted(const bat_mesh_map *map, const bat_mesh *fine, 
     all.options = options != NULL ? options : &defaults;
     bat_status status = bat_options_check(&bat_mesh_bake_fields, all.options, error);
     if (status == BAT_OK && all.options->colour && painter == NULL && mesh_colours(fine, all.colour_places) == 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fine mesh has no colours");
+        status = ERROR_ARGUMENT(error, "the fine mesh has no colours");
     if (status == BAT_OK)
         status = bat_mesh_copy(coarse, &shape, error);
     if (status != BAT_OK)

@@ -76,7 +76,7 @@ bat_status bat_mesh_tangents(const bat_mesh *mesh, const double *normals, double
 {
     size_t corners = 3 * mesh->face_count;
     if (mesh->texture_faces == NULL || mesh->offsets != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangents need triangles with texture coordinates");
+        return ERROR_ARGUMENT(error, "tangents need triangles with texture coordinates");
     uint32_t *pair = memory_array(corners, sizeof *pair);
     size_t count = pair != NULL ? number_pairs(mesh, pair) : SIZE_MAX;
     double *sums = count != SIZE_MAX ? calloc(count + 1, 4 * sizeof *sums) : NULL,

@@ -103,7 +103,7 @@ static bat_status search_begin(const bat_cloud *cloud, corner_search *search, ba
         unit_frame_place(&frame, cloud->points + 3 * i, search->points + 3 * i);
     search->loop = cloud_loop_make(search->points, cloud->boundary_count, arc);
     if (!(cloud_loop_length(&search->loop) > 0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has no length");
+        return ERROR_ARGUMENT(error, "the boundary has no length");
     for (size_t i = 0; i < samples; i++)
         memcpy(search->samples + 3 * i, search->points + 3 * i * stride, 3 * sizeof *search->samples);
     return neighbours_build(search->samples, samples, &search->tree, error);
@@ -282,7 +282,7 @@ static bat_status choose(corner_search *search, size_t corners[CORNERS], bat_err
 static bat_status cloud_loop_corners(const bat_cloud *cloud, size_t corners[4], bat_error *error)
 {
     if (cloud->boundary_count < CORNERS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary to find corners on");
+        return ERROR_ARGUMENT(error, "the cloud has no boundary to find corners on");
     corner_search search = {0};
     bat_status status = search_begin(cloud, &search, error);
     for (size_t i = 0; i < cloud->boundary_count && status == BAT_OK; i++)
@@ -355,7 +355,7 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
 {
     size_t places[4], rotated[4];
     if (cloud->boundary_count < 4)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary");
+        return ERROR_ARGUMENT(error, "the cloud has no boundary");
     for (int k = 0; k < 4; k++)
     {
         places[k] = find_place(cloud, corners[k]);
@@ -366,9 +366,8 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
     if (!corners_rise(&turn, places, rotated))
         turn.reversed = true;
     if (!corners_rise(&turn, places, rotated))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "corners %zu, %zu, %zu, %zu do not follow each other around the boundary", corners[0], corners[1],
-                         corners[2], corners[3]);
+        return ERROR_ARGUMENT(error, "corners %zu, %zu, %zu, %zu do not follow each other around the boundary", corners[0],
+                              corners[1], corners[2], corners[3]);
     bat_status status = rotate_loop(cloud, &turn, error);
     if (status != BAT_OK)
         return status;
@@ -414,10 +413,9 @@ bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_cloud_sides
 {
     size_t corners[4], count = cloud->boundary_count;
     if ((unsigned)method > BAT_CLOUD_SIDES_UNIFORM)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unknown method %d for the parameters of sides",
-                         (int)method);
+        return ERROR_ARGUMENT(error, "unknown method %d for the parameters of sides", (int)method);
     if (count < 4)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary");
+        return ERROR_ARGUMENT(error, "the cloud has no boundary");
     memcpy(corners, cloud->corners, sizeof corners);
     bat_status status = cloud->has_corners ? BAT_OK : cloud_loop_corners(cloud, corners, error);
     if (status != BAT_OK)

@@ -73,11 +73,9 @@ static bat_status check_boundary(const bat_cloud *cloud, bat_error *error)
     static const int MIN_BOUNDARY = 4;
     size_t boundary = cloud->boundary_count;
     if (boundary > 0 && boundary < MIN_BOUNDARY)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a boundary of %zu points cannot have four corners",
-                         boundary);
+        return ERROR_ARGUMENT(error, "a boundary of %zu points cannot have four corners", boundary);
     if (boundary > cloud->count)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has %zu points, the cloud only %zu",
-                         boundary, cloud->count);
+        return ERROR_ARGUMENT(error, "the boundary has %zu points, the cloud only %zu", boundary, cloud->count);
     for (size_t i = 0; i < 4 && cloud->has_corners; i++)
     {
         if (cloud->corners[i] >= boundary)
@@ -101,10 +99,9 @@ static bat_status check_triangles(const bat_cloud *cloud, bat_error *error)
 bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
 {
     if (cloud->count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no points");
+        return ERROR_ARGUMENT(error, "the cloud has no points");
     if (cloud->count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the cloud has %zu points, more than %u", cloud->count,
-                         BAT_MESH_NONE - 1);
+        return ERROR_TOO_LARGE(error, "the cloud has %zu points, more than %u", cloud->count, BAT_MESH_NONE - 1);
     bat_status status = check_boundary(cloud, error);
     if (status == BAT_OK)
         status = check_triangles(cloud, error);
@@ -125,8 +122,7 @@ typedef struct mesh_patch
 
 static bat_status unsupported(bat_error *error, const char *fault)
 {
-    bat_status status =
-        error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the mesh %s; it must be a patch with one boundary loop", fault);
+    bat_status status = ERROR_UNSUPPORTED(error, 0, "the mesh %s; it must be a patch with one boundary loop", fault);
     return error_remedy(error, status, "shell", "fits any shape");
 }
 
@@ -232,7 +228,7 @@ bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error
 {
     mesh_patch patch = {.mesh = mesh};
     if (mesh->face_count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has no faces");
+        return ERROR_ARGUMENT(error, "the mesh has no faces");
     bat_status status = bat_mesh_connect(mesh, &patch.connectivity, error);
     if (status != BAT_OK)
         return status;

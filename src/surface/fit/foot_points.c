@@ -538,8 +538,8 @@ bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_dat
 {
     bat_status status = fit_points_check(NULL, data, NULL, error);
     if (status == BAT_OK && data->dimension != surface->dimension)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                           "the points have %zu coordinates, the surface has %zu", data->dimension, surface->dimension);
+        status = ERROR_ARGUMENT(error, "the points have %zu coordinates, the surface has %zu", data->dimension,
+                                surface->dimension);
     if (status != BAT_OK)
         return status;
     fit_points points;

@@ -168,9 +168,9 @@ static bat_status check_counts(const bat_surface_fit_data *data, size_t total, b
     else if (data->boundary_count > total)
         wrong = "there are more boundary points than points";
     if (wrong != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+        return ERROR_ARGUMENT(error, "%s", wrong);
     if (total >= UINT32_MAX || size_multiply_overflows(data->count, data->dimension, &product))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are more than a fit can process", total);
+        return ERROR_TOO_LARGE(error, "%zu points are more than a fit can process", total);
     return BAT_OK;
 }
 
@@ -350,8 +350,7 @@ static bat_status check_part(const fit_team *team, const bat_surface_fit_data *d
     uint64_t before = 0;
     bat_status status = team_sum_before(team, data->count, &before, error);
     if (status == BAT_OK && data->count > 0 && before % FIT_BLOCK != 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the points before rank %zu are not whole blocks",
-                           team_rank(team));
+        status = ERROR_ARGUMENT(error, "the points before rank %zu are not whole blocks", team_rank(team));
     for (size_t i = 1; i < data->count && status == BAT_OK; i++)
     {
         uint32_t place = fit_points_place(data->parameters + 2 * i);
@@ -370,7 +369,7 @@ bat_status fit_points_check(const fit_team *team, const bat_surface_fit_data *da
     if (status == BAT_OK)
         status = check_counts(data, (size_t)total, error);
     if (status == BAT_OK && total < 1)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
+        status = ERROR_ARGUMENT(error, "there are no points to fit");
     for (size_t i = 0; i < data->count && status == BAT_OK; i++)
         status = check_point(data, i, numbers != NULL ? numbers[i] : i, error);
     if (numbers != NULL)

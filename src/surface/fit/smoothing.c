@@ -105,9 +105,8 @@ static bat_status singular(const fit_system *system, bat_error *error)
 
 static bat_status excessive(double lambda, double max, bat_error *error)
 {
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "the weight of smoothing %g is out of range: with these points it has its full effect at %.1g", lambda,
-                     max);
+    return ERROR_ARGUMENT(
+        error, "the weight of smoothing %g is out of range: with these points it has its full effect at %.1g", lambda, max);
 }
 
 /// Factor K; increase lambda until K is regular.

@@ -116,8 +116,7 @@ bat_status fit_system_reserve(fit_system *system, bat_error *error)
     {
         total += (size_t)pattern->first[f + 1];
         if (total > INT_MAX)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the matrix of %zu functions has too many entries",
-                             pattern->functions);
+            return ERROR_TOO_LARGE(error, "the matrix of %zu functions has too many entries", pattern->functions);
         pattern->first[f + 1] = (int)total;
     }
     pattern->row = memory_pool_array(&system->pool, total, sizeof *pattern->row);

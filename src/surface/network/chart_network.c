@@ -223,7 +223,7 @@ bat_status bat_surface_model_parameterize(const bat_surface_model *model, const 
     bat_cloud boxed = *cloud;
     unit_box box = unit_box_of(cloud->points, cloud->count);
     if (!isfinite(box.size))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the size of the cloud is not finite");
+        return ERROR_ARGUMENT(error, "the size of the cloud is not finite");
     boxed.points = memory_array(cloud->count, 3 * sizeof *boxed.points);
     if (boxed.points == NULL)
         return error_memory(error, cloud->count * 3 * sizeof *boxed.points);

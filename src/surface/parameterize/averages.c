@@ -294,7 +294,7 @@ const bat_options_table bat_cloud_parameterize_fields = OPTIONS_TABLE(bat_cloud_
 bat_status boundary_parameters_check(const bat_cloud *cloud, const double *boundary, bat_error *error)
 {
     if (cloud->boundary_count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
+        return ERROR_ARGUMENT(error, "the boundary of the cloud is unknown");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
         if (!isfinite(boundary[i]))
             return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
@@ -375,7 +375,7 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
     if (status == BAT_OK)
         status = boundary_parameters_check(cloud, boundary, error);
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE && cloud->triangle_count == 0)
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
+        status = ERROR_UNSUPPORTED(error, 0, "mean values need the triangles of a mesh");
     if (status != BAT_OK)
         return status;
     if (options->published && options->method < BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE)

@@ -322,7 +322,7 @@ bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *para
     bat_status status =
         ordered != NULL ? bat_cloud_check(cloud, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
     if (status == BAT_OK && cloud->boundary_count == 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
+        status = ERROR_ARGUMENT(error, "the boundary of the cloud is unknown");
     if (status == BAT_OK)
         status = fold_finder_make(cloud, &finder, error);
     if (status == BAT_OK)

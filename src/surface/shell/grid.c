@@ -586,7 +586,7 @@ bat_status bat_shell_evaluate(const bat_shell *shell, size_t face, double u, dou
         return error_set(error, BAT_INVALID_ARGUMENT, face, 0, "face %zu does not exist: there are %zu", face,
                          shell->face_count);
     if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "parameters (%g, %g) are not in [0, 1]", u, v);
+        return ERROR_ARGUMENT(error, "parameters (%g, %g) are not in [0, 1]", u, v);
     double places[2] = {u * (double)shell->spans, v * (double)shell->spans}, along[2][3];
     size_t at[2];
     for (int d = 0; d < 2; d++)
@@ -619,7 +619,7 @@ bat_status bat_shell_tessellate(const bat_shell *shell, size_t samples, bat_mesh
     if (made.vertex_count >= UINT32_MAX || made.face_count > BAT_MESH_MAX_FACES)
     {
         bat_mesh_connectivity_free(&links);
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu faces are too many", made.face_count);
+        return ERROR_TOO_LARGE(error, "%zu faces are too many", made.face_count);
     }
     made.positions = malloc(made.vertex_count * 3 * sizeof *made.positions);
     made.faces = malloc(made.face_count * 4 * sizeof *made.faces);

@@ -622,8 +622,7 @@ bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_m
     if (mesh != NULL && work.options->fill_holes > 0)
         return error_option(error, "fill_holes", "closes holes of points; close those of a mesh first, as batten mesh does");
     if (mesh == NULL && count < MIN_POINTS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are too few: a shell needs %d", count,
-                         MIN_POINTS);
+        return ERROR_ARGUMENT(error, "%zu points are too few: a shell needs %d", count, MIN_POINTS);
     progress_part first = {work.options->progress, 0, CONNECT_SHARE};
     if (mesh != NULL)
         status = take_mesh(&work, mesh, error);

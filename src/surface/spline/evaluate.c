@@ -206,8 +206,7 @@ static bat_status cell_points_make(const bat_hierarchical_space *space, const do
 static bat_status check_parameters(const double *parameters, size_t count, int derivatives, bat_error *error)
 {
     if (derivatives < 0 || derivatives > 2)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the order of derivatives, %d, is not between 0 and 2", derivatives);
+        return ERROR_ARGUMENT(error, "the order of derivatives, %d, is not between 0 and 2", derivatives);
     for (size_t i = 0; i < count; i++)
         for (size_t d = 0; d < 2; d++)
             if (!(parameters[2 * i + d] >= 0 && parameters[2 * i + d] <= 1))

@@ -62,8 +62,7 @@ static bat_status number_places(run_set *set, const char *what, size_t *count, b
 {
     uint64_t size = run_set_size(set);
     if (size >= UINT32_MAX - *count)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the space would have more than %u %s", UINT32_MAX - 1,
-                         what);
+        return ERROR_TOO_LARGE(error, "the space would have more than %u %s", UINT32_MAX - 1, what);
     run_set_number(set, (uint32_t)*count);
     *count += (size_t)size;
     return BAT_OK;

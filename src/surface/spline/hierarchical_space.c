@@ -90,8 +90,7 @@ bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, 
     if (status != BAT_OK)
         return status;
     if (!level_fits(options, 0))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a grid of %zu x %zu spans is too large", options->spans[0],
-                         options->spans[1]);
+        return ERROR_TOO_LARGE(error, "a grid of %zu x %zu spans is too large", options->spans[0], options->spans[1]);
     box_tree tree;
     status = box_tree_make((uint64_t)options->spans[0] << FINEST, (uint64_t)options->spans[1] << FINEST, &tree, error);
     return status == BAT_OK ? make_whole(options, &tree, space, error) : status;

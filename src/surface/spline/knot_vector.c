@@ -15,13 +15,12 @@
 bat_status knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)
 {
     if (degree < 0 || degree > BAT_SPLINE_MAX_DEGREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 0 and %d", degree,
-                         BAT_SPLINE_MAX_DEGREE);
+        return ERROR_ARGUMENT(error, "the degree %d is not between 0 and %d", degree, BAT_SPLINE_MAX_DEGREE);
     if (spans == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector needs at least one span");
+        return ERROR_ARGUMENT(error, "a knot vector needs at least one span");
     size_t p = (size_t)degree, count;
     if (__builtin_add_overflow(spans, 2 * p + 1, &count) || count > SIZE_MAX / sizeof(double))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a knot vector of %zu spans is too large", spans);
+        return ERROR_TOO_LARGE(error, "a knot vector of %zu spans is too large", spans);
     double *made = memory_array(count, sizeof *made);
     if (made == NULL)
         return error_memory(error, count * sizeof *made);
@@ -34,12 +33,10 @@ bat_status knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots,
 bat_status knot_vector_check(const bat_knot_vector *knots, bat_error *error)
 {
     if (knots->degree < 0 || knots->degree > BAT_SPLINE_MAX_DEGREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 0 and %d",
-                         knots->degree, BAT_SPLINE_MAX_DEGREE);
+        return ERROR_ARGUMENT(error, "the degree %d is not between 0 and %d", knots->degree, BAT_SPLINE_MAX_DEGREE);
     size_t p = (size_t)knots->degree, multiplicity = 1;
     if (knots->knots == NULL || knots->count < 2 * p + 2)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector of degree %zu has at least %zu knots",
-                         p, 2 * p + 2);
+        return ERROR_ARGUMENT(error, "a knot vector of degree %zu has at least %zu knots", p, 2 * p + 2);
     for (size_t i = 0; i < knots->count; i++)
     {
         if (!isfinite(knots->knots[i]))

@@ -191,7 +191,7 @@ bat_status hierarchical_space_prolong(const bat_hierarchical_space *space, const
                                       const double *coarse, size_t dimension, double *fine, bat_error *error)
 {
     if (!contains(space, refined))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the refined space does not contain the coarse one");
+        return ERROR_ARGUMENT(error, "the refined space does not contain the coarse one");
     return refined->options.truncated ? make_truncated(space, refined, coarse, dimension, fine, error)
                                       : make_plain(space, refined, coarse, dimension, fine, error);
 }
