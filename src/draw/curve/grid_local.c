@@ -129,10 +129,7 @@ static void choose_steps(window_range *range, const scene_frame *frame)
 
 static window_range range_of(const draw_view *view, const scene_frame *frame)
 {
-    enum
-    {
-        STEPS = 64
-    };
+    static const int STEPS = 64;
     window_range range = {.south = INFINITY, .north = -INFINITY, .west = INFINITY, .east = -INFINITY};
     const double *low = frame->map.low;
     const double *high = frame->map.high;

@@ -27,17 +27,15 @@ void grid_globe_sphere(cairo_t *cairo, const draw_view *view, bool sea)
     cairo_pattern_destroy(light);
 }
 
+#define LINE_STEPS 180
+
 /// Draw a line from (longitude, latitude) in degrees, along a meridian or, with `parallel`, along the whole parallel.
 static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude, bool parallel)
 {
-    enum
+    double points[3 * (LINE_STEPS + 1)];
+    for (int i = 0; i <= LINE_STEPS; i++)
     {
-        STEPS = 180
-    };
-    double points[3 * (STEPS + 1)];
-    for (int i = 0; i <= STEPS; i++)
-    {
-        double share = (double)i / STEPS;
+        double share = (double)i / LINE_STEPS;
         double turned = parallel ? longitude + 360.0 * share : longitude;
         double raised = parallel ? latitude : latitude * (1.0 - 2.0 * share);
         double *point = points + (size_t)(3 * i);
@@ -46,7 +44,7 @@ static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, 
         point[2] = sin(raised * ANGLE_DEGREE);
     }
     path_simplifier path = simplifier_begin(canvas_sink(cairo), 0.05);
-    view_trace(view, points, STEPS + 1, false, VIEW_FRONT, &path);
+    view_trace(view, points, LINE_STEPS + 1, false, VIEW_FRONT, &path);
 }
 
 /// Meridians that are not multiples of 90 degrees end before the poles, where they would merge.
@@ -125,10 +123,7 @@ void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *f
 
 static void graticule_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude)
 {
-    enum
-    {
-        STEPS = 90
-    };
+    static const int STEPS = 90;
     bool meridian = isnan(latitude);
     for (int i = 0; i <= STEPS; i++)
     {
@@ -193,10 +188,7 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
 
 static void map_frame(cairo_t *cairo, const draw_view *view)
 {
-    enum
-    {
-        STEPS = 90
-    };
+    static const int STEPS = 90;
     for (int i = 0; i < 2 * (STEPS + 1); i++)
     {
         double share = 2.0 * (i <= STEPS ? i : 2 * STEPS + 1 - i) / STEPS - 1.0;

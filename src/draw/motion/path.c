@@ -445,14 +445,12 @@ static void draw_frame(cairo_t *cairo, const body_frame *frame)
         }
 }
 
+#define MOST 1000 ///< frames
+
 /// Draw frames at equal times, from the farthest to the nearest; those that would cover earlier ones are left out.
 static bat_status draw_frames(cairo_t *cairo, const film *shown, const film_track *track, const placing *at,
                               bat_error *error)
 {
-    enum
-    {
-        MOST = 1000
-    };
     body_frame frames[MOST];
     size_t wanted = shown->poses > 0 ? shown->poses : FRAMES, count = 0;
     double begin = track->times[0], end = track->times[track->count - 1];

@@ -535,10 +535,7 @@ static void end_ring(const degree_grid *grid, size_t begin, size_t splits, globe
 /// Trace the boundary of one part of the interior.
 static void trace_ring(const degree_grid *grid, border *edge, size_t chain, globe_lines *rings)
 {
-    enum
-    {
-        MAX_SPLITS = 1000 ///< a bound for the stack
-    };
+    static const int MAX_SPLITS = 1000; // a bound for the stack
     size_t begin = rings->position_count;
     bool backward = false;
     while (!edge->used[chain] && !rings->failed)

@@ -353,12 +353,10 @@ const char *csv_field_fault(csv_field field)
     return marked ? "has a byte order mark" : NULL;
 }
 
+#define LONGEST 64 ///< characters of a number
+
 const char *csv_read_number(csv_field field, char separator, double *value, bool *comma)
 {
-    enum
-    {
-        LONGEST = 64
-    };
     field = csv_unquoted(field);
     if (field.begin == field.end)
         return "is empty";

@@ -247,12 +247,10 @@ void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column)
     state->end = field.end;
 }
 
+#define LONGEST 64 ///< characters of a number
+
 static bool store_cell(csv_reader *reader, size_t column)
 {
-    enum
-    {
-        LONGEST = 64
-    };
     csv_field field = reader->fields[column];
     char text[LONGEST];
     size_t size = (size_t)(field.end - field.begin);

@@ -278,10 +278,7 @@ static bat_status read_polygons(geojson_reader *reader, json_scanner *scan)
 /// Make a line closed when its ends are equal; `closed` as in bat_curve_read_options.
 static void close_line(bat_curve *curve, int closed)
 {
-    enum
-    {
-        RING_POSITIONS = 4
-    };
+    static const int RING_POSITIONS = 4;
     size_t dim = curve->space->point_dim, last = curve->count - 1, channels = curve->channel_count;
     bool returns = last > 0 && points_equal(curve->points, curve->points + last * dim, dim);
     for (size_t k = 0; k < channels && returns; k++)

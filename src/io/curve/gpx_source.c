@@ -237,13 +237,11 @@ bool gpx_value_write(const gpx_source *source, size_t column, gpx_place place, t
     return true;
 }
 
+#define COORDINATES 2 ///< the first columns: longitude and latitude
+
 /// Name the columns of a table: by the elements, with a number where names are equal. False when out of memory.
 static bool name_columns(const gpx_source *source, csv_columns *columns)
 {
-    enum
-    {
-        COORDINATES = 2
-    };
     char names[COORDINATES + GPX_MAX_COLUMNS][NAME_BASE_SIZE + 4] = {"lon", "lat"};
     csv_field fields[COORDINATES + GPX_MAX_COLUMNS];
     size_t count = COORDINATES + source->column_count;

@@ -31,12 +31,10 @@ typedef struct obj_reader
     bool solid; ///< some vertex has a z other than 0
 } obj_reader;
 
+#define MAX_NUMBERS 7 ///< x y z w, or x y z and a colour
+
 static bat_status read_vertex(obj_reader *reader, word_scan *scan, bat_error *error)
 {
-    enum
-    {
-        MAX_NUMBERS = 7 ///< x y z w, or x y z and a colour
-    };
     double numbers[MAX_NUMBERS] = {0};
     size_t count = 0, line = scan->line;
     for (; !scan_line_done(scan); count++)

@@ -306,10 +306,7 @@ static bool trace_line(const line_job *job, size_t first, bool *used, bool *retu
 static bool make_line(const line_job *job, size_t first, bool close, bool *used, stitch_path *path, stitch_report *report,
                       bat_curve *made)
 {
-    enum
-    {
-        RING_POSITIONS = 4
-    };
+    static const int RING_POSITIONS = 4;
     bool returns;
     size_t lines;
     if (!trace_line(job, first, used, &returns, &lines, path))

@@ -213,10 +213,7 @@ static bool add_edge(stitch_edges *edges, const seam_nodes *nodes, size_t r, siz
 static bool make_half_edges(stitch_edges *edges, const seam_nodes *nodes, seam_pieces *pieces, bool *tangled)
 {
     // Valid polygons overlap nowhere, so that each interval has at most two edges; outlines of the whole map add some.
-    enum
-    {
-        MAX_OVERLAPS = 64
-    };
+    static const size_t MAX_OVERLAPS = 64;
     for (size_t r = 0; r < edges->geometry->count && !*tangled; r++)
     {
         size_t first = edges->count;

@@ -189,13 +189,11 @@ static bat_status read_numbers(obj_reader *reader, size_t index, size_t min_coun
     return *count < min_count ? fault(reader, index, what, error) : BAT_OK;
 }
 
+#define MAX_NUMBERS 7 ///< of a statement
+
 /// Read `v x y z` or `v x y z w`, or with a colour `v x y z r g b` or, as MeshLab writes it, `v x y z r g b a`.
 static bat_status read_vertex(obj_reader *reader, bat_error *error)
 {
-    enum
-    {
-        MAX_NUMBERS = 7
-    };
     static const char expected[] = "a vertex has 3 coordinates, optionally with a weight or with a colour of 3 or 4 numbers";
     mesh_builder *builder = &reader->builder;
     size_t count, index = builder->mesh.vertex_count;

@@ -31,10 +31,7 @@ bool cloud_ptx_resembles(const file_text *text);
 bool cloud_pcd_resembles(const file_text *text);
 bool cloud_las_resembles(const file_text *text);
 
-enum
-{
-    LAS_CLASSES = 256
-};
+#define LAS_CLASSES 256
 /// Read a list of classes, as in "2,8". False where it is none.
 bool las_classes_read(const char *list, bool wanted[LAS_CLASSES]);
 

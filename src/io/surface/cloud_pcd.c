@@ -267,10 +267,7 @@ static bool decompress(const unsigned char *in, size_t in_size, unsigned char *o
 static bat_status read_compressed(const unsigned char *bytes, size_t left, const pcd_header *header, size_t wanted,
                                   point_listing *listing, bat_error *error)
 {
-    enum
-    {
-        SIZES = 8
-    };
+    static const size_t SIZES = 8;
     uint64_t size = left >= SIZES ? bytes_whole(bytes, 4, false) : 0;
     if (left < SIZES || size > left - SIZES || bytes_whole(bytes + 4, 4, false) != wanted)
         return ERROR_FILE(error, 0, "the compressed data is not that of %zu points", header->points);

@@ -141,10 +141,7 @@ static void find_edges(shell_builder *builder)
 
 bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error)
 {
-    enum
-    {
-        MAX_FACES = 1 << 29 // with four vertices each, all numbers fit into 32 bits
-    };
+    static const int MAX_FACES = 1 << 29; // with four vertices each, all numbers fit into 32 bits
     if (count > MAX_FACES)
         return ERROR_TOO_LARGE(error, "%zu faces are more than %d", count, MAX_FACES);
     surface_shell made = {0};

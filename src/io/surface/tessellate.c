@@ -190,12 +190,10 @@ static bat_status set_parameters(const lattice *grid, surface_tessellation *made
     return BAT_OK;
 }
 
+#define NUMBERS 9 ///< a position and two tangents
+
 static bat_status evaluate(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
 {
-    enum
-    {
-        NUMBERS = 9 ///< a position and two tangents
-    };
     size_t count = made->vertex_count;
     memory_pool scratch = {0};
     made->positions = memory_pool_array(&made->pool, count, 3 * sizeof(double));
