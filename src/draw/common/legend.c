@@ -108,8 +108,7 @@ void colour_bar_draw(cairo_t *cairo, colour_scale *scale, double low, double hig
     for (size_t i = 0; i < ticks.count; i++)
     {
         double at = x + BAR_WIDTH * (ticks.values[i] - low) / (high - low);
-        cairo_move_to(cairo, at, y + BAR_HEIGHT);
-        cairo_line_to(cairo, at, y + BAR_HEIGHT + 2.0);
+        style_segment(cairo, at, y + BAR_HEIGHT, at, y + BAR_HEIGHT + 2.0);
         style_stroke(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
         style_use_colour(cairo, COLOUR_MUTED);
         if (ticks.labelled[i])
@@ -212,8 +211,7 @@ static void draw_sample(cairo_t *cairo, const legend_item *item, double x, doubl
     }
     if (item->line.width > 0.0)
     {
-        cairo_move_to(cairo, x, y);
-        cairo_line_to(cairo, x + SAMPLE, y);
+        style_segment(cairo, x, y, x + SAMPLE, y);
         style_stroke(cairo, item->line);
     }
     if (item->mark == LEGEND_RING)

@@ -44,10 +44,8 @@ static bat_status check_room(const layout *plan, double fixed, bat_error *error)
         return ERROR_TOO_LARGE(error, "the picture would be %.0f points high; the maximum is 10000", plan->height);
     }
     if (plan->box_width < MIN_BOX || plan->height < fixed + MIN_BOX * (double)plan->rows)
-    {
         return ERROR_ARGUMENT(error, "a picture of %.0f by %.0f points is too small for its panels, titles and legend",
                               plan->width, plan->height);
-    }
     return BAT_OK;
 }
 

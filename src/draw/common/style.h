@@ -76,6 +76,13 @@ void style_use_colour(cairo_t *cairo, draw_colour colour);
 void style_use_line(cairo_t *cairo, line_style line);
 void style_stroke(cairo_t *cairo, line_style line);
 
+/// Append a segment to cairo's current path.
+static inline void style_segment(cairo_t *cairo, double from_x, double from_y, double to_x, double to_y)
+{
+    cairo_move_to(cairo, from_x, from_y);
+    cairo_line_to(cairo, to_x, to_y);
+}
+
 // Short texts in the system's sans-serif font. All texts are UTF-8 that passed text_is_valid().
 
 /// The smallest size that text_draw_fitted() uses.

@@ -54,14 +54,12 @@ static void make_tiling(tiling *made)
         made->geodesics[i] = (geodesic){cosh(middle) * cos(angle), cosh(middle) * sin(angle), sinh(middle)};
     }
     for (int i = 0; i < made->count; i++)
-    {
         for (int side = 0; side < SIDES && made->count < MAX_GEODESICS; side++)
         {
             geodesic image = reflect(made->geodesics[i], made->geodesics[side]);
             if (image.t * SMALLEST_RADIUS <= 1.0 && is_new(made, image))
                 made->geodesics[made->count++] = image;
         }
-    }
 }
 
 /// Append the arc inside the disk to the path. Seen from its centre (x, y) / t, its ends are at angles of tangent t.

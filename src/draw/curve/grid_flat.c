@@ -141,11 +141,9 @@ static void axis_name(cairo_t *cairo, const draw_view *view, const scene_frame *
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     for (unsigned corner = 0; corner < 8; corner++)
-    {
         for (unsigned axis = 0; axis < 3; axis++)
             if ((corner >> axis & 1u) == 0)
                 box_edge(cairo, view, frame, corner, corner | 1u << axis);
-    }
     style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     box_edge(cairo, view, frame, 0, 1);
     box_edge(cairo, view, frame, 1, 3);

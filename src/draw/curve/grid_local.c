@@ -19,11 +19,9 @@ double grid_step(double range)
     static const double units[] = {SECONDS_PER_DEGREE, SECONDS_PER_MINUTE, 1.0};
     const double wanted = 3.0;
     for (size_t unit = 0; unit < 3; unit++)
-    {
         for (size_t i = 0; i < 6; i++)
             if (wanted * steps[i] * units[unit] <= range)
                 return steps[i] * units[unit];
-    }
     double step = 0.5;
     for (int i = 1; wanted * step > range && step > 1e-9; i++)
         step *= i % 3 == 1 ? 0.4 : 0.5; // 0.5, 0.2, 0.1, 0.05, …
@@ -69,12 +67,9 @@ void grid_scale_bar(cairo_t *cairo, double x, double y, double width, double ext
         (void)snprintf(label, sizeof label, "%.6g cm", length * 100.0);
     else
         (void)snprintf(label, sizeof label, "%.10g %.60s", length, unit);
-    cairo_move_to(cairo, x, y - 2.0);
-    cairo_line_to(cairo, x, y + 2.0);
-    cairo_move_to(cairo, x, y);
-    cairo_line_to(cairo, x + page, y);
-    cairo_move_to(cairo, x + page, y - 2.0);
-    cairo_line_to(cairo, x + page, y + 2.0);
+    style_segment(cairo, x, y - 2.0, x, y + 2.0);
+    style_segment(cairo, x, y, x + page, y);
+    style_segment(cairo, x + page, y - 2.0, x + page, y + 2.0);
     style_stroke(cairo, (line_style){COLOUR_MUTED, LINE_FRAME, 0.0, 0.0});
     text_use(cairo, TEXT_TICK, false);
     style_use_colour(cairo, COLOUR_MUTED);
@@ -94,12 +89,10 @@ typedef struct window_range
     size_t label_count;
 } window_range;
 
-static bool pole_in_window(const scene_frame *frame, double side)
+static bool pole_in_window(const draw_view *view, const scene_frame *frame, double side)
 {
-    draw_view view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3};
     double u, v;
-    view_set_globe(&view, frame->map.longitude, frame->map.latitude);
-    view_project(&view, (double[3]){0.0, 0.0, side}, &u, &v);
+    view_project(view, (double[3]){0.0, 0.0, side}, &u, &v);
     return u >= frame->map.low[0] && u <= frame->map.high[0] && v >= frame->map.low[1] && v <= frame->map.high[1];
 }
 
@@ -142,8 +135,8 @@ static window_range range_of(const draw_view *view, const scene_frame *frame)
         include_border(&range, view, frame, low[0], v);
         include_border(&range, view, frame, high[0], v);
     }
-    range.north_pole = pole_in_window(frame, 1.0);
-    range.south_pole = pole_in_window(frame, -1.0);
+    range.north_pole = pole_in_window(view, frame, 1.0);
+    range.south_pole = pole_in_window(view, frame, -1.0);
     const double quarter = 90.0 * SECONDS_PER_DEGREE;
     range.north = range.north_pole ? quarter : range.north;
     range.south = range.south_pole ? -quarter : range.south;
@@ -220,13 +213,11 @@ static void visit_lines(cairo_t *cairo, const draw_view *view, const scene_frame
     const double quarter = 90.0 * SECONDS_PER_DEGREE;
     double step = range.lat_step;
     for (double k = ceil(range.south / step); k * step <= range.north; k += 1.0)
-    {
         if (fabs(k * step) < quarter - 0.5 * step)
         {
             line_points(&range, frame, k * step, true, points);
             take(cairo, view, frame, &range, points, k * step, true);
         }
-    }
     step = range.lon_step;
     double middle = frame->map.longitude / SECOND;
     double first = ceil((middle + range.west) / step);
@@ -309,12 +300,10 @@ static void take_label(cairo_t *cairo, const draw_view *view, const scene_frame 
         return;
     }
     const window_side sides[4] = {{1, map->low[1]}, {0, map->low[0]}, {1, map->high[1]}, {0, map->high[0]}};
+    // Lines that run along a side are not labelled there.
     for (int k = parallel ? 1 : 0; k < (polar ? 4 : parallel ? 2 : 1); k++)
-    {
-        // Lines that run along a side are not labelled there.
         if (cross_side(view, frame, points, sides[k], place))
             side_label(cairo, view, range, label, sides[k], k >= 2, place);
-    }
 }
 
 /// The path of the window, which may be larger than the disk that the whole sphere becomes.
@@ -356,16 +345,14 @@ insets grid_local_room(const scene_frame *frame, bool labels)
     window_range range = range_of(&view, frame);
     char label[48];
     grid_angle_label(range.north, range.lat_step, "N", "S", label, sizeof label);
-    bool polar = pole_in_window(frame, 1.0) || pole_in_window(frame, -1.0);
+    bool polar = range.north_pole || range.south_pole;
     size_t letters = 0;
     for (const char *c = label; *c != '\0'; c++)
         letters += ((unsigned char)*c & 0xc0u) != 0x80u ? 1 : 0;
     double left = !labels ? 4.0 : LABEL_GAP + 3.0 + (polar ? 26.0 : digit_width * (double)letters);
     return (insets){.left = left,
                     .top = labels && polar ? 4.0 + TEXT_TICK : 4.0,
-                    .right = !labels ? 4.0
-                             : polar ? left
-                                     : 16.0,
+                    .right = labels && !polar ? 16.0 : left,
                     .bottom = 4.0 + GRID_SCALE_HEIGHT + (labels ? TEXT_TICK + LABEL_GAP : 0.0)};
 }
 

@@ -98,13 +98,9 @@ static void fill_polygon(cairo_t *cairo, const draw_view *view, const scene_fram
         cairo_clip(cairo);
     }
     else if (view->kind == VIEW_MAP)
-    {
         grid_map_clip(cairo, view);
-    }
     else if (view->kind == VIEW_LOCAL)
-    {
         grid_local_clip(cairo, view, frame);
-    }
     cairo_append_path(cairo, path);
     cairo_fill(cairo);
     cairo_restore(cairo);
@@ -222,9 +218,7 @@ bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_pan
             status = stroke_line(cairo, &whole, line, error);
         }
         else
-        {
             add_runs(&group, layer->curve, drawn, edges);
-        }
     }
     flush(&group);
     return status;

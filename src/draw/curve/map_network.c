@@ -429,9 +429,7 @@ bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *n
                 network->colours[i] = chosen[feature_index(&builder, i)];
     }
     else
-    {
         map_network_free(network);
-    }
     free(builder.table);
     free(builder.features);
     free(builder.pairs);

@@ -56,15 +56,9 @@ static double tick_place(const plot_axis *axis, size_t index)
 static void draw_grid(cairo_t *cairo, const plot_axis *x, const plot_axis *y)
 {
     for (size_t i = 0; i < x->ticks.count; i++)
-    {
-        cairo_move_to(cairo, tick_place(x, i), y->start);
-        cairo_line_to(cairo, tick_place(x, i), y->end);
-    }
+        style_segment(cairo, tick_place(x, i), y->start, tick_place(x, i), y->end);
     for (size_t i = 0; i < y->ticks.count; i++)
-    {
-        cairo_move_to(cairo, x->start, tick_place(y, i));
-        cairo_line_to(cairo, x->end, tick_place(y, i));
-    }
+        style_segment(cairo, x->start, tick_place(y, i), x->end, tick_place(y, i));
     style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
 }
 

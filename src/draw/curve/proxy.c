@@ -82,11 +82,9 @@ static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *e
             double between[4];
             bat_status status = bat_space_geodesic(curve->space, p, q, (double)step / (double)steps, between);
             if (status != BAT_OK)
-            {
                 return error_set(error, status, i, 0,
                                  "points %zu and %zu are half a turn apart: their shortest geodesic is not unique", i,
                                  edge_end(curve, i));
-            }
             for (size_t c = 0; c < 3; c++)
                 column_of(between, c, columns[c].points + 3 * at);
         }

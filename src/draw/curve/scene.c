@@ -89,15 +89,11 @@ static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel
     if (status != BAT_OK)
         return error_prefix(error, status, "panel %zu, layer %zu: ", panel, index);
     if (layer->role < BAT_CURVE_LAYER_ROLE_CURVE || layer->role > BAT_CURVE_LAYER_ROLE_TRUTH || layer->colour < 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: no such role or colour", panel,
                          index);
-    }
     if (!text_is_valid(layer->label))
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: the label is not plain UTF-8 text",
                          panel, index);
-    }
     return BAT_OK;
 }
 
@@ -115,10 +111,8 @@ static bat_status check_panel(const bat_curve_picture_panel *panel, size_t index
         const bat_space *first = panel->layers[0].curve->space;
         const bat_space *space = panel->layers[i].curve->space;
         if (view_space_of(space) != view_space_of(first) || space->point_dim != first->point_dim)
-        {
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0,
                              "panel %zu, layer %zu: its space differs from that of layer 0", index, i);
-        }
     }
     return BAT_OK;
 }

@@ -14,13 +14,9 @@ bat_status coverage_begin(double low_x, double low_y, double high_x, double high
     made.columns = (size_t)((high_x - low_x) / COVERAGE_CELL) + 1;
     made.rows = (size_t)((high_y - low_y) / COVERAGE_CELL) + 1;
     made.stride = made.columns / 64 + 1;
-    size_t count;
-    if (size_multiply_overflows(made.rows, made.stride, &count))
-        return error_memory(error, SIZE_MAX);
-    made.words = memory_array(count, sizeof *made.words);
+    made.words = calloc(made.rows, made.stride * sizeof *made.words);
     if (made.words == NULL)
-        return error_memory(error, count * sizeof *made.words);
-    memset(made.words, 0, count * sizeof *made.words);
+        return error_memory(error, made.rows * made.stride * sizeof *made.words);
     *map = made;
     return BAT_OK;
 }
@@ -73,12 +69,12 @@ static void coverage_trace(const coverage_map *map, cairo_t *cairo)
         double y = map->low_y + ((double)row + 0.5) * COVERAGE_CELL;
         for (size_t column = 0; column < map->columns; column++)
         {
-            if (!marked(map, row, column))
-                continue;
-            cairo_move_to(cairo, map->low_x + ((double)column + 0.5) * COVERAGE_CELL, y);
-            while (marked(map, row, column + 1))
+            size_t first = column;
+            while (marked(map, row, column))
                 column++;
-            cairo_line_to(cairo, map->low_x + ((double)column + 0.5) * COVERAGE_CELL, y);
+            if (column > first)
+                style_segment(cairo, map->low_x + ((double)first + 0.5) * COVERAGE_CELL, y,
+                              map->low_x + ((double)column - 0.5) * COVERAGE_CELL, y);
         }
     }
 }
@@ -91,16 +87,13 @@ typedef struct bounded_sink
 {
     cairo_t *cairo;
     size_t count;
-    double low_x, low_y, high_x, high_y;
+    double low[2], high[2];
 } bounded_sink;
 
 static void add_bounded(void *context, double x, double y, bool begins)
 {
     bounded_sink *sink = context;
-    sink->low_x = fmin(sink->low_x, x);
-    sink->low_y = fmin(sink->low_y, y);
-    sink->high_x = fmax(sink->high_x, x);
-    sink->high_y = fmax(sink->high_y, y);
+    box_include(2, (const double[2]){x, y}, sink->low, sink->high);
     if (++sink->count <= MANY_POINTS)
         (begins ? cairo_move_to : cairo_line_to)(sink->cairo, x, y);
 }
@@ -114,13 +107,13 @@ static void trace(const drawn_line *drawn, path_sink sink)
 bat_status stroke_line(cairo_t *cairo, const drawn_line *drawn, line_style line, bat_error *error)
 {
     bat_status status = BAT_OK;
-    bounded_sink sink = {cairo, 0, INFINITY, INFINITY, -INFINITY, -INFINITY};
+    bounded_sink sink = {cairo, 0, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
     trace(drawn, (path_sink){add_bounded, &sink});
     if (sink.count > MANY_POINTS)
     {
         coverage_map map;
         cairo_new_path(cairo);
-        status = coverage_begin(sink.low_x, sink.low_y, sink.high_x, sink.high_y, &map, error);
+        status = coverage_begin(sink.low[0], sink.low[1], sink.high[0], sink.high[1], &map, error);
         if (status != BAT_OK)
             return status;
         trace(drawn, coverage_sink(&map));

@@ -174,14 +174,9 @@ static void trace_inside(cairo_t *cairo, const ellipsoid *drawn, double scale, d
     {
         const double *a = drawn->axes[k];
         if (drawn->side == 2)
-        {
-            cairo_move_to(cairo, x - scale * a[0], y + scale * a[1]);
-            cairo_line_to(cairo, x + scale * a[0], y - scale * a[1]);
-        }
+            style_segment(cairo, x - scale * a[0], y + scale * a[1], x + scale * a[0], y - scale * a[1]);
         else
-        {
             trace_front(cairo, a, drawn->axes[(k + 1) % 3], scale, x, y);
-        }
     }
 }
 

@@ -188,10 +188,8 @@ bat_status view_check(const bat_curve *curve, bat_error *error)
         return ERROR_ARGUMENT(error, "a curve without points cannot be drawn");
     view_space space = view_space_of(curve->space);
     if (space == VIEW_NOTHING)
-    {
         return ERROR_UNSUPPORTED(error, 0, "the space %s of %zu coordinates has no picture", curve->space->name,
                                  curve->space->point_dim);
-    }
     size_t dim = curve->space->point_dim;
     for (size_t i = 0; i < curve->count; i++)
     {
@@ -211,10 +209,8 @@ bat_status view_check(const bat_curve *curve, bat_error *error)
     {
         size_t next = i + 1 < curve->count ? i + 1 : 0;
         if (antipodal(curve->points + 3 * i, curve->points + 3 * next))
-        {
             return error_set(error, BAT_CUT_LOCUS, i, 0,
                              "points %zu and %zu are antipodal: their shortest arc is not unique", i, next);
-        }
     }
     return BAT_OK;
 }

@@ -275,9 +275,7 @@ view_region view_trace_polygon(const draw_view *view, const bat_curve *const *ri
             region.outside = region.outside || tracer.back;
         }
         else if (view->kind == VIEW_MAP)
-        {
             region.outside = region.outside || fabs(winding) > ANGLE_PI || tracer.low < -ANGLE_PI || tracer.high > ANGLE_PI;
-        }
         ring_draw(&tracer, rings[i], winding, &path);
     }
     if (complement)

@@ -241,9 +241,7 @@ static map_pace map_pace_of(const map_tracer *tracer, const double *point)
             return MAP_BEND;
     }
     else if (point[2] <= 0.0 || tracer->point[2] <= 0.0)
-    {
         return MAP_BEND;
-    }
     bool straight = square < fmin(0.01, 5.0 * unit) * across;
     return square < 0.01 * unit * unit * across ? MAP_SKIP : straight ? MAP_STRAIGHT : MAP_BEND;
 }

@@ -63,13 +63,13 @@ bat_status film_at(const film *shown, const film_track *track, double time, doub
 /// The ranges of a path on the page, in units of length.
 typedef struct path_view
 {
-    double rows[3][3];               ///< directions to the right, upwards and to the eye
-    bool flat;                       ///< in the plane
-    int up;                          ///< the axis across the floor
-    int floor[2];                    ///< the other two, in a right-handed order
-    double centre[3];                ///< subtracted before the rotation
-    double low[3], high[3];          ///< the box of the coordinates, less the centre
-    double left, right, bottom, top; ///< of the box on the page
+    double rows[3][3];                ///< directions to the right, upwards and to the eye
+    bool flat;                        ///< in the plane
+    int up;                           ///< the axis across the floor
+    int floor[2];                     ///< the other two, in a right-handed order
+    double centre[3];                 ///< subtracted before the rotation
+    double low[3], high[3];           ///< the box of the coordinates, less the centre
+    double page_low[2], page_high[2]; ///< the box on the page: its left and lower, its right and upper ends
 } path_view;
 
 void path_view_make(const film *shown, path_view *view);

@@ -64,27 +64,33 @@ static void place_point(const placing *at, const double *point, double *x, doubl
     *y = at->y - at->scale * row_of(at->view, 1, point);
 }
 
-static void include_point(const film *shown, const double *point, path_view *view)
+static void include_point(path_view *view, const double *taken)
+{
+    box_include(3, taken, view->low, view->high);
+}
+
+/// Include all samples and keyframes in a box of the view.
+static void include_all(const film *shown, path_view *view, void (*include)(path_view *view, const double *taken))
 {
     double taken[3];
-    take_point(shown, view, point, taken);
-    box_include(3, taken, view->low, view->high);
+    for (size_t k = 0; k < shown->count; k++)
+    {
+        const film_track *track = &shown->tracks[k];
+        for (size_t i = 0; i < track->count + track->key_count; i++)
+        {
+            const double *points = i < track->count ? track->points : track->given;
+            take_point(shown, view, points + (i < track->count ? i : i - track->count) * shown->space->point_dim, taken);
+            include(view, taken);
+        }
+    }
 }
 
 static void find_box(const film *shown, path_view *view)
 {
-    size_t dim = shown->space->point_dim;
     for (int pass = 0; pass < 2; pass++)
     {
         box_clear(3, view->low, view->high);
-        for (size_t k = 0; k < shown->count; k++)
-        {
-            const film_track *track = &shown->tracks[k];
-            for (size_t i = 0; i < track->count; i++)
-                include_point(shown, track->points + i * dim, view);
-            for (size_t i = 0; i < track->key_count; i++)
-                include_point(shown, track->given + i * dim, view);
-        }
+        include_all(shown, view, include_point);
         for (int c = 0; c < 3 && pass == 0; c++)
             view->centre[c] = view->low[c] + 0.5 * (view->high[c] - view->low[c]);
     }
@@ -94,7 +100,6 @@ static void find_box(const film *shown, path_view *view)
 static void choose_up(const film *shown, path_view *view, double *sign)
 {
     double extent[3];
-    *sign = 1;
     for (int c = 0; c < 3; c++)
         extent[c] = view->high[c] - view->low[c];
     double others = fmin(fmax(extent[0], extent[1]), fmin(fmax(extent[1], extent[2]), fmax(extent[0], extent[2])));
@@ -105,8 +110,7 @@ static void choose_up(const film *shown, path_view *view, double *sign)
             view->up = c;
     view->floor[0] = view->up == 0 ? 1 : 0;
     view->floor[1] = view->up == 2 ? 1 : 2;
-    if (view->up == 1)
-        *sign = -1;
+    *sign = view->up == 1 ? -1 : 1;
 }
 
 /// The main direction of the path on the floor, in radians from its first axis, or NAN.
@@ -174,18 +178,8 @@ static void pad_box(path_view *view)
 
 static void extend_page(path_view *view, const double *relative)
 {
-    double u = row_of(view, 0, relative), v = row_of(view, 1, relative);
-    view->left = fmin(view->left, u);
-    view->right = fmax(view->right, u);
-    view->bottom = fmin(view->bottom, v);
-    view->top = fmax(view->top, v);
-}
-
-static void include_on_page(const film *shown, const double *point, path_view *view)
-{
-    double taken[3];
-    take_point(shown, view, point, taken);
-    extend_page(view, taken);
+    const double place[2] = {row_of(view, 0, relative), row_of(view, 1, relative)};
+    box_include(2, place, view->page_low, view->page_high);
 }
 
 /// The height of the floor: the end of the box that is lower on the page.
@@ -226,22 +220,15 @@ void path_view_make(const film *shown, path_view *view)
         look_from(view, sign, azimuth, (height < LEVEL * wide ? LEVEL_ELEVATION : ELEVATION) * ANGLE_DEGREE);
     }
     pad_box(view);
-    view->left = view->bottom = INFINITY;
-    view->right = view->top = -INFINITY;
+    box_clear(2, view->page_low, view->page_high);
     include_floor(view);
-    for (size_t k = 0; k < shown->count; k++)
-    {
-        const film_track *track = &shown->tracks[k];
-        for (size_t i = 0; i < track->count; i++)
-            include_on_page(shown, track->points + i * shown->space->point_dim, view);
-        for (size_t i = 0; i < track->key_count; i++)
-            include_on_page(shown, track->given + i * shown->space->point_dim, view);
-    }
+    include_all(shown, view, extend_page);
 }
 
 double path_aspect(const path_view *view)
 {
-    return fmin(fmax((view->top - view->bottom) / (view->right - view->left), FLATTEST), TALLEST);
+    const double *low = view->page_low, *high = view->page_high;
+    return fmin(fmax((high[1] - low[1]) / (high[0] - low[0]), FLATTEST), TALLEST);
 }
 
 // Axes
@@ -280,8 +267,7 @@ static void draw_edge(cairo_t *cairo, const film *shown, const placing *at, cons
     {
         p[edge->axis] = ticks.values[i] - view->centre[edge->axis];
         place_point(at, p, &x, &y);
-        cairo_move_to(cairo, x, y);
-        cairo_line_to(cairo, x + 3 * edge->away_x, y + 3 * edge->away_y);
+        style_segment(cairo, x, y, x + 3 * edge->away_x, y + 3 * edge->away_y);
         style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0, 0});
         style_use_colour(cairo, COLOUR_MUTED);
         if (!ticks.labelled[i])
@@ -436,8 +422,7 @@ static void draw_frame(cairo_t *cairo, const body_frame *frame)
         for (int i = 0; i < 3; i++)
         {
             const double *axis = frame->axes[order[i]];
-            cairo_move_to(cairo, frame->x, frame->y);
-            cairo_line_to(cairo, frame->x + FRAME_LENGTH * axis[0], frame->y - FRAME_LENGTH * axis[1]);
+            style_segment(cairo, frame->x, frame->y, frame->x + FRAME_LENGTH * axis[0], frame->y - FRAME_LENGTH * axis[1]);
             style_use_line(cairo, pass == 0 ? (line_style){COLOUR_BACKGROUND, LINE_FRAME_AXIS + 1.2, 0, 0}
                                             : (line_style){film_axis_colour((size_t)order[i]), LINE_FRAME_AXIS, 0, 0});
             cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
@@ -509,10 +494,11 @@ static void draw_ends(cairo_t *cairo, const film *shown, const film_track *track
 static placing place_view(const path_view *view, const double box[4])
 {
     double width = fmax(box[2] - MARGIN_LEFT - MARGIN_RIGHT, 1), height = fmax(box[3] - MARGIN_TOP - MARGIN_BOTTOM, 1);
+    const double *low = view->page_low, *high = view->page_high;
     placing at = {.view = view};
-    at.scale = fmin(width / (view->right - view->left), height / (view->top - view->bottom));
-    at.x = box[0] + MARGIN_LEFT + 0.5 * width - at.scale * 0.5 * (view->left + view->right);
-    at.y = box[1] + MARGIN_TOP + 0.5 * height + at.scale * 0.5 * (view->top + view->bottom);
+    at.scale = fmin(width / (high[0] - low[0]), height / (high[1] - low[1]));
+    at.x = box[0] + MARGIN_LEFT + 0.5 * width - at.scale * 0.5 * (low[0] + high[0]);
+    at.y = box[1] + MARGIN_TOP + 0.5 * height + at.scale * 0.5 * (high[1] + low[1]);
     return at;
 }
 
