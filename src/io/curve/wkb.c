@@ -150,9 +150,7 @@ static const char *take_geometry(wkb_digits *digits, geometry_kind whole, size_t
     if (several && (int)type.kind + PARTS != (int)whole)
         return "has a part of another type";
     if (!several)
-    {
         TEXT_APPEND(text, WKT_NAMES[type.kind], type.z && type.m ? " ZM" : type.z ? " Z" : type.m ? " M" : "");
-    }
     return take_content(digits, type.kind, 2 + (size_t)type.z + (size_t)type.m, depth, text);
 }
 

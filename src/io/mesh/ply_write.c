@@ -86,9 +86,7 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     if (plan->texture_by_vertex)
         text_append_string(&text, "property double s\nproperty double t\n");
     for (size_t i = 0; i < mesh->channel_count; i++)
-    {
         TEXT_APPEND(&text, plan->bytes[i] ? "property uchar " : "property double ", mesh->channel_names[i], "\n");
-    }
     text_append_string(&text, "element face ");
     text_append_count(&text, mesh->face_count, plan->long_lists ? "\nproperty list uint " : "\nproperty list uchar ");
     TEXT_APPEND(&text, mesh->vertex_count > INT32_MAX ? "uint" : "int", " vertex_indices\n");

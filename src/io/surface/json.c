@@ -359,10 +359,8 @@ static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *
         return status;
     text_append_string(text, "\"boxes\": [\n");
     for (size_t i = 0; i < count; i++)
-    {
         text_append_format(text, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", boxes[i].level,
                            boxes[i].low[0], boxes[i].low[1], boxes[i].high[0], boxes[i].high[1], row_end(i, count));
-    }
     text_append_string(text, "],\n");
     free(boxes);
     return BAT_OK;

@@ -475,10 +475,8 @@ static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *
     size_t count = 0;
     bat_status status = hierarchical_space_regions(space, &boxes, &count, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-    {
         text_append_format(text, "<box level=\"%" PRIu32 "\">%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 "</box>\n",
                            boxes[i].level, boxes[i].low[0], boxes[i].low[1], boxes[i].high[0], boxes[i].high[1]);
-    }
     free(boxes);
     return status;
 }
