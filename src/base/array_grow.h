@@ -7,10 +7,7 @@
 /// Make room in a malloc() array for `needed` elements of `size` bytes, doubling it where it moves. False: it is as it was.
 static inline bool array_grow(void **array, size_t *capacity, size_t needed, size_t size)
 {
-    enum
-    {
-        FIRST_CAPACITY = 16
-    };
+    static const int FIRST_CAPACITY = 16;
     if (needed <= *capacity)
         return true;
     size_t wanted = *capacity < FIRST_CAPACITY ? FIRST_CAPACITY : *capacity;

@@ -150,10 +150,7 @@ static char *with_ending(const char *path, const char *ending)
 
 /// The endings of the files that belong to a Shapefile ending in .shp, and of indices that GDAL and others may add.
 static const char *const COMPANIONS[] = {".shx", ".dbf", ".prj", ".cpg", ".qix", ".sbn", ".sbx", ".qpj"};
-enum
-{
-    COMPANION_COUNT = sizeof COMPANIONS / sizeof *COMPANIONS
-};
+#define COMPANION_COUNT (sizeof COMPANIONS / sizeof *COMPANIONS)
 
 static bool has_companions(const output *file)
 {

@@ -2,8 +2,6 @@
 
 #include "base/array_grow.h"
 
-#include <string.h>
-
 /// @file
 /// A growing buffer of bytes for writers.
 

@@ -3,9 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "curve/pieces.h"
-#include "curve/scheme_kind.h"
 
-#include <math.h>
 #include <string.h>
 
 static const double RIGHT = ANGLE_TURN / 4;

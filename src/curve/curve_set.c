@@ -42,12 +42,10 @@ void attributes_release(bat_curve_attributes *attributes)
     free(attributes);
 }
 
+#define LONGEST 240 ///< characters of a note
+
 bool attributes_note(bat_curve_attributes *attributes, const char *format, ...)
 {
-    enum
-    {
-        LONGEST = 240
-    };
     char text[LONGEST];
     va_list values;
     va_start(values, format);

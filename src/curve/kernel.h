@@ -15,11 +15,8 @@ typedef struct refine_kernel refine_kernel;
 typedef bat_status row_average(const refine_kernel *kernel, const double *rows, size_t count, double *averages,
                                size_t stride, size_t *fault);
 
-enum
-{
-    /// Bytes for the private data of a kind of scheme; the largest is a pair of mask_taps.
-    KERNEL_DATA = 2 * sizeof(mask_taps) + 64
-};
+/// Bytes for the private data of a kind of scheme; the largest is a pair of mask_taps.
+#define KERNEL_DATA (2 * sizeof(mask_taps) + 64)
 
 struct refine_kernel
 {

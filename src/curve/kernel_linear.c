@@ -2,8 +2,6 @@
 
 #include "base/lanes.h"
 
-#include <string.h>
-
 /// Numbers made at a time for each parity: two blocks and what they read stay in the first-level cache.
 #define BLOCK 512
 

@@ -3,8 +3,6 @@
 #include "base/lanes.h"
 #include "space/builtin.h"
 
-#include <string.h>
-
 /// Edges refined at a time on the sphere.
 #define BLOCK 128
 

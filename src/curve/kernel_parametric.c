@@ -3,7 +3,6 @@
 #include "curve/parametric.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 /// The four-point step of Dyn, Floater and Hormann (2009). Over the edge from p_1 to p_2, with increments d_0, d_1, d_2 of

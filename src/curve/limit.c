@@ -5,7 +5,6 @@
 #include "curve/mask.h"
 #include "linalg/dense.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "curve/polygon.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 #define CUBIC_DEGREE 3

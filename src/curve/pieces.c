@@ -1,6 +1,5 @@
 #include "curve/pieces.h"
 
-#include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
 #include "base/shared_work.h"
@@ -10,7 +9,6 @@
 #include "curve/topology/draw_back.h"
 
 #include <limits.h>
-#include <math.h>
 #include <string.h>
 
 /// From this many pieces a thread on, each thread refines whole pieces; of fewer, the threads share each one's points.
@@ -19,10 +17,7 @@ static const size_t MANY = 4;
 /// At a joint of lines, which may be drawn apart, a reader sees a turn of more than 3 degrees; a sharp turn becomes a fifth.
 static const double JOINT_TURN = 0.0523598775598299, JOINT_SHARE = 0.2;
 
-enum
-{
-    JOINT_LEVELS = 6 ///< the most for the sake of a joint
-};
+#define JOINT_LEVELS 6 ///< the most for the sake of a joint
 
 /// A run of edges between two corners, or between ends, or a whole closed curve.
 typedef struct piece

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/curve.h"
 #include "curve/refine.h"
 
 /// @file

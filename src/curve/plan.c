@@ -4,7 +4,6 @@
 #include "curve/pieces.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 bat_curve_refine_options bat_curve_refine_defaults(void)

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/curve_scheme.h"
 #include "curve/kernel.h"
 
 /// @file

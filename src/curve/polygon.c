@@ -4,7 +4,6 @@
 #include "space/builtin.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 #define CUBIC_DEGREE 3

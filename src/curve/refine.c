@@ -1,6 +1,5 @@
 #include "curve/refine.h"
 
-#include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
 #include "curve/parametric.h"

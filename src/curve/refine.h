@@ -1,6 +1,5 @@
 #pragma once
 
-#include "curve/plan.h"
 #include "curve/scheme_kind.h"
 
 /// @file

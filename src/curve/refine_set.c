@@ -1,4 +1,3 @@
-#include "base/error.h"
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"

@@ -4,8 +4,6 @@
 #include "base/option.h"
 #include "space/builtin.h"
 
-#include <math.h>
-
 /// @file
 /// The kinds of schemes, and schemes of each.
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/choice.h"
-#include "curve/kernel.h"
 #include "curve/plan.h"
 #include "curve/polygon.h"
 

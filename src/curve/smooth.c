@@ -5,11 +5,8 @@
 #include "curve/polygon.h"
 #include "curve/smooth_fit.h"
 #include "curve/topology/draw_back.h"
-#include "curve/topology/edge_tree.h"
 #include "space/builtin.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const int REACH = 8; ///< so many points beside a marked edge come back with it, by shares that fall evenly

@@ -4,11 +4,9 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/parametric.h"
-#include "curve/polygon.h"
 #include "curve/scheme_kind.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 // Splines of Bezier curves through the points of a curve. A Bezier curve over an edge has an odd degree d. Its inner

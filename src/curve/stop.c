@@ -1,6 +1,5 @@
 #include "curve/pieces.h"
 
-#include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
 #include "base/shared_work.h"
@@ -9,7 +8,6 @@
 #include "space/builtin.h"
 
 #include <limits.h>
-#include <math.h>
 #include <string.h>
 
 enum

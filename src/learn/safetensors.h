@@ -2,8 +2,6 @@
 
 #include "base/text_buffer.h"
 
-#include <string.h>
-
 /// @file
 /// Named arrays in a file, in the safetensors format of Hugging Face: 8 bytes with the length of a header, the header in
 /// JSON (name, element type, shape and place of each array, and notes), then the arrays' elements; all little-endian.

@@ -3,7 +3,6 @@
 #include "base/error.h"
 
 #include <amd.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const int NONE = -1;

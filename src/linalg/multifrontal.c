@@ -5,10 +5,6 @@
 #include "linalg/blas.h"
 #include "linalg/blas_single.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum
 {
     SIDES = 2,  ///< L and U^T

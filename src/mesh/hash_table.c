@@ -126,10 +126,7 @@ static void put(point_table *table, uint32_t index)
 
 bool point_table_reserve(point_table *table, size_t count)
 {
-    enum
-    {
-        FIRST_SLOTS = 64
-    };
+    static const int FIRST_SLOTS = 64;
     size_t wanted = table->slot_count > 0 ? table->slot_count : FIRST_SLOTS;
     while (wanted / 2 < count)
     {
@@ -208,10 +205,7 @@ static uint32_t near_in_cube(const point_table *table, const point_key *cube, co
 
 uint32_t point_table_near(const point_table *table, const double point[3])
 {
-    enum
-    {
-        CUBES = 27
-    };
+    static const int CUBES = 27;
     uint32_t best = BAT_MESH_NONE;
     if (table->slot_count == 0)
         return best;

@@ -7,8 +7,6 @@
 #include "mesh/measure/closest.h"
 #include "mesh/sides.h"
 
-#include <string.h>
-
 /// @file
 /// Copies and checks of a mesh's arrays; connectivity is checked by bat_mesh_connect().
 

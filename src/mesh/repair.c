@@ -2,13 +2,11 @@
 #include "base/bisect.h"
 #include "base/counting_sort.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "mesh/check.h"
 #include "mesh/hash_table.h"
 #include "mesh/labels.h"
 
 #include <math.h>
-#include <string.h>
 
 /// @file
 /// Repair of a triangle mesh to an oriented manifold, in four steps: drop degenerate and repeated faces, pair half-edges,

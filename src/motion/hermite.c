@@ -6,8 +6,6 @@
 #include "base/threads.h"
 #include "space/builtin.h"
 
-#include <math.h>
-
 /// The number of points that a thread checks at a time.
 static const size_t BLOCK = 1024;
 

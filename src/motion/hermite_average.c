@@ -2,7 +2,6 @@
 
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 static void scale_into(size_t n, double factor, const double *vector, double *scaled)

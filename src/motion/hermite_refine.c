@@ -4,7 +4,6 @@
 #include "curve/plan.h"
 #include "motion/hermite_average.h"
 
-#include <math.h>
 #include <string.h>
 
 // Refinement

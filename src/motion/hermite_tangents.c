@@ -3,7 +3,6 @@
 #include "motion/hermite_average.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 #define HIGHEST_ORDER 4

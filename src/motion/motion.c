@@ -4,18 +4,15 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "curve/curve_attributes.h"
 #include "curve/polygon.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 #include "space/quaternion.h"
 
 #include <float.h>
 #include <inttypes.h>
-#include <stdio.h>
 #include <string.h>
 
 static const bat_choice METHODS[] = {

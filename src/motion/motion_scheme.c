@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/option.h"
 
-#include <math.h>
 #include <string.h>
 
 /// The values of the settings of a name.

@@ -1,11 +1,8 @@
 #include "motion/spline_system.h"
 
 #include "base/lanes.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 #include "space/quaternion.h"
-
-#include <string.h>
 
 enum
 {

@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/golden.h"
-#include "base/memory.h"
 #include "curve/smooth_fit.h"
 #include "linalg/dense.h"
 #include "linalg/vector.h"

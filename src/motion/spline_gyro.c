@@ -2,10 +2,8 @@
 
 #include "base/error.h"
 #include "base/golden.h"
-#include "base/memory.h"
 #include "base/number_digits.h"
 #include "linalg/dense.h"
-#include "linalg/vector.h"
 #include "space/quaternion.h"
 
 #include <string.h>

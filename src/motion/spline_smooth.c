@@ -1,6 +1,5 @@
 #include "base/error.h"
 #include "base/golden.h"
-#include "base/memory.h"
 #include "curve/smooth_fit.h"
 #include "linalg/vector.h"
 #include "motion/spline_system.h"

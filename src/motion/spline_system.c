@@ -1,7 +1,6 @@
 #include "motion/spline_system.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 
 #include <string.h>

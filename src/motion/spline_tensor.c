@@ -1,10 +1,8 @@
 #include "motion/spline_system.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

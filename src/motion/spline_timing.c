@@ -2,7 +2,6 @@
 
 #include "base/bisect.h"
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "base/error.h"
 
 #include <math.h>
-#include <string.h>
 
 // Nodes are numbered as in a heap: node 1 holds all items, the children of node n are 2 n and 2 n + 1. A node's items are
 // consecutive in leaf order; its first child holds the lower half of them.

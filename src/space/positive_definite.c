@@ -1,8 +1,6 @@
 #include "linalg/symmetric.h"
 #include "space/builtin.h"
 
-#include <float.h>
-
 enum
 {
     SIDE = BAT_POSITIVE_DEFINITE_MAX_SIDE,

@@ -2,8 +2,6 @@
 
 #include "linalg/vector.h"
 
-#include <stdbool.h>
-
 /// @file
 /// Unit quaternions (w, x, y, z) as rotations, and the functions of angles that their exponential and logarithm need.
 

@@ -8,13 +8,11 @@
 
 #include "surface/candidate.h"
 
-#include "base/error.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
 #include "surface/fit/points.h"
 #include "surface/parameterize/weights.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const size_t POINTS_PER_FUNCTION = 4; ///< minimum number of points for each function of a fit to a sample

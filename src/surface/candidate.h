@@ -1,10 +1,7 @@
 #pragma once
 
-#include "batten/cloud.h"
-#include "batten/surface.h"
 #include "surface/cloud/part.h"
 #include "surface/trim/trimming.h"
-#include "surface/verdict.h"
 
 /// @file
 /// A candidate of bat_surface_reconstruct(): one way to parameterize a cloud, and its fit.

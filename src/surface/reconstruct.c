@@ -7,14 +7,11 @@
 /// and the last fit is to all points.
 
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "surface/candidate.h"
 #include "surface/cloud/boundary.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

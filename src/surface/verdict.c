@@ -6,8 +6,6 @@
 #include "surface/verdict.h"
 
 #include "base/choice.h"
-#include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"

@@ -2,7 +2,6 @@
 
 #include "batten/surface.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/spatial_order.h"
 
 /// @file
 /// Judgement of a surface by its cloud, both ways.

@@ -3,8 +3,6 @@
 #include "base/error.h"
 #include "curve/polygon.h"
 
-#include <stdlib.h>
-
 enum
 {
     /// Neighbours of a vertex that are told apart. A vertex with more is a node in any case.

@@ -1,15 +1,11 @@
 #include "curve/map/arc_refine.h"
 
-#include "base/error.h"
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/pieces.h"
-#include "curve/polygon.h"
-#include "curve/refine.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// The state of a refinement.
 typedef struct arc_job

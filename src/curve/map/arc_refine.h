@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/memory.h"
-#include "batten/curve.h"
 #include "batten/curve_map.h"
 #include "curve/topology/draw_back.h"
 

@@ -7,7 +7,6 @@
 #include "curve/smooth.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 typedef struct smooth_job
 {

@@ -2,13 +2,9 @@
 
 #include "base/error.h"
 #include "base/threads.h"
-#include "curve/polygon.h"
 #include "curve/refine.h"
 #include "space/builtin.h"
 #include "space/degrees.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 bool chart_of_space(const bat_space *space, int decimals, map_chart *chart)
 {

@@ -5,8 +5,6 @@
 #include "curve/polygon.h"
 #include "space/degrees.h"
 
-#include <math.h>
-
 /// A point where lines end. End 2 i is the first point of curve i, end 2 i + 1 the last.
 typedef struct line_joint
 {

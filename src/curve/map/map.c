@@ -1,4 +1,3 @@
-#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
 #include "base/shared_work.h"
@@ -6,12 +5,8 @@
 #include "curve/corner.h"
 #include "curve/map/arc_refine.h"
 #include "curve/pieces.h"
-#include "curve/polygon.h"
-#include "curve/refine.h"
 #include "curve/smooth.h"
 #include "space/degrees.h"
-
-#include <stdlib.h>
 
 static const bat_choice TOPOLOGIES[] = {
     CHOICE_OF_USE(UNNAMED, "auto", "files with features", BAT_CURVE_MAP_TOPOLOGY_AUTO),

@@ -4,7 +4,6 @@
 #include "curve/polygon.h"
 
 #include <limits.h>
-#include <stdlib.h>
 
 /// @file
 /// Simplification of the arcs of a map by Douglas and Peucker's algorithm. Where simplified arcs would meet, pass over a

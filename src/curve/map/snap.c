@@ -3,10 +3,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "curve/pieces.h"
-#include "curve/polygon.h"
 #include "space/builtin.h"
-
-#include <math.h>
 
 enum
 {
@@ -136,10 +133,7 @@ static void cell_of(const snap_job *job, size_t point, double *cell)
 /// Find where each point goes.
 static bat_status join_points(snap_job *job, bat_error *error)
 {
-    enum
-    {
-        AHEAD = 16 ///< points: their cells lie anywhere in memory, and are asked for before they are needed
-    };
+    static const size_t AHEAD = 16; // points: their cells lie anywhere in memory, and are asked for before they are needed
     for (size_t i = 0; i < job->point_count; i++)
     {
         double cell[MAX_DIM];
@@ -340,10 +334,7 @@ static bool is_tip(const bat_curve *curve, size_t before, size_t tip, size_t aft
 /// Drop the spikes of a ring: edges that lead there and back, which rounding had kept apart. Those longer than `limit` stay.
 static void drop_spikes(bat_curve *curve, size_t *origins, double limit)
 {
-    enum
-    {
-        FEWEST = 3
-    };
+    static const int FEWEST = 3;
     size_t kept = 0, count = curve->count;
     for (size_t i = 0; i < count; i++)
     {
@@ -418,10 +409,7 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
 /// Drop loops of a ring that are shorter than `limit` in all: joined points made the ring touch itself there.
 static bool drop_loops(bat_curve *curve, size_t *origins, double limit)
 {
-    enum
-    {
-        FEWEST = 3
-    };
+    static const int FEWEST = 3;
     size_t kept = 0, mask, dim = curve->space->point_dim, *table, size = 2;
     while (size / 2 < curve->count)
         size *= 2;

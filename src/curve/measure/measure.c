@@ -1,7 +1,6 @@
 #include "batten/curve_measure.h"
 
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/option.h"
 #include "base/progress.h"
@@ -11,8 +10,6 @@
 #include "curve/polygon.h"
 #include "space/builtin.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// The power of two that the numbers are summed up with, so that neither sums nor squares leave the range.

@@ -3,7 +3,6 @@
 #include "base/error.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 // A subtree is a range of positions: its vantage point, then the half of the others nearer to it, then the rest.
 

@@ -2,8 +2,6 @@
 
 #include "learn/klein.h"
 
-#include <stddef.h>
-
 /// @file
 /// The features of an edge for the learned curve rule, and the classical rule that the network corrects: the six-point rule
 /// in turns.

@@ -3,7 +3,6 @@
 #include "batten/curve_scheme.h"
 #include "curve/network/learned_features.h"
 #include "learn/model.h"
-#include "learn/parameters.h"
 
 /// @file
 /// The network of the learned curve rule. Every layer commutes with mirror and reversal (learn/klein.h):

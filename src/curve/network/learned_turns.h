@@ -4,8 +4,6 @@
 #include "curve/edge_turns.h"
 #include "curve/network/learned_features.h"
 
-#include <math.h>
-
 /// @file
 /// What the features of an edge and their gradient, research/train/learned_features_back.c, have in common.
 

@@ -285,6 +285,8 @@ static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, ba
     return edge_tree_update(tree, error);
 }
 
+#define ROOM (1 << 10)
+
 /// Whether the new points of edge `e` of a curve have an anchor between them and the edge.
 static bool passes_anchor(const draw_back_job *job, size_t c, size_t e)
 {
@@ -295,10 +297,6 @@ static bool passes_anchor(const draw_back_job *job, size_t c, size_t e)
     size_t component = job->rules->components[c];
     if (end < fine->count)
         return anchor_grid_inside(job->rules->anchors, fine->points + 2 * begin, end - begin + 1, component);
-    enum
-    {
-        ROOM = 1 << 10
-    };
     double rows[2 * ROOM]; // the last edge of a closed curve ends at the first point
     size_t count = end - begin + 1;
     if (count > ROOM)

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "batten/base.h"
-#include "batten/curve.h"
 #include "curve/topology/edge_tree.h"
 
 /// @file

@@ -3,12 +3,8 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/lanes.h"
-#include "base/memory.h"
 #include "base/threads.h"
 #include "space/builtin.h"
-
-#include <math.h>
-#include <string.h>
 
 /// Points of the sphere may be off unit length by 1e-9: boxes grow by twice that much and a little.
 #define SPHERE_SLACK 2.1e-9

@@ -4,9 +4,6 @@
 #include "linalg/vector.h"
 #include "mesh/labels.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 /// @file
 /// Gradients of values, their sums at owners, and what a collapse makes of them.
 
@@ -15,10 +12,7 @@ static const double RANGE_SHARE = 0.1;
 /// A face of lesser quality has no gradients: twice its area over its longest squared edge.
 static const double DEGENERATE = 1e-4;
 
-enum
-{
-    MAX_PAIRS = 2
-};
+#define MAX_PAIRS 2
 
 /// The owners at the ends i and j of an edge that become one: one pair, or one on each side of a seam.
 typedef struct owner_pairs

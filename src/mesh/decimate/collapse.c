@@ -4,9 +4,6 @@
 #include "mesh/labels.h"
 #include "mesh/refine/sharpness.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 /// @file
 /// Rings of edges, the link condition, and the collapse itself.
 

@@ -33,11 +33,8 @@ typedef struct collapse_mesh
     memory_pool pool; ///< of all arrays but those as in bat_mesh_connectivity
 } collapse_mesh;
 
-enum
-{
-    /// The most faces of a ring. Edges with larger rings wait until other collapses have reduced them.
-    COLLAPSE_MAX_FACES = 64
-};
+/// The most faces of a ring. Edges with larger rings wait until other collapses have reduced them.
+#define COLLAPSE_MAX_FACES 64
 
 /// The neighbourhood of an edge from i to j: the faces that remain after its collapse, counter-clockwise, and the vertices
 /// opposite to i and j.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/memory.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/measure/closest.h"
 

@@ -1,5 +1,4 @@
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "base/threads.h"
@@ -8,9 +7,6 @@
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Options and targets of decimation, and the measured bound on the distance.
@@ -751,14 +747,11 @@ static bat_status run_even(const bat_mesh *fine, const bat_mesh_decimate_options
                            bat_mesh *coarse, bat_mesh_map **map, bat_error *error)
 {
     static const double shares[] = {0.6, 0.75, 0.9};
-    enum
-    {
-        RUNS = sizeof shares / sizeof *shares
-    };
+    const size_t RUNS = sizeof shares / sizeof *shares;
     bat_mesh_decimate_options how = *options;
     bat_mesh_connectivity topology;
     bat_mesh_distance distance;
-    progress_part part = {options->progress, 0, 1.0 / (RUNS + 1)};
+    progress_part part = {options->progress, 0, 1.0 / (double)(RUNS + 1)};
     how.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     how.progress = progress_of_part(&part);
     bat_status status = bat_mesh_connect(fine, &topology, error);
@@ -773,7 +766,7 @@ static bat_status run_even(const bat_mesh *fine, const bat_mesh_decimate_options
         bat_mesh even = {0};
         bat_mesh_map *even_map = NULL;
         tolerance bound;
-        part.begin = (double)(run + 1) / (RUNS + 1);
+        part.begin = (double)(run + 1) / (double)(RUNS + 1);
         status = tolerance_make(fine, &topology, shares[run] * distance.hausdorff, &bound, error);
         if (status != BAT_OK)
             break;

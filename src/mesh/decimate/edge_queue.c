@@ -6,10 +6,7 @@
 /// @file
 /// A heap with four children for each node, with the place of every edge, or an unordered array for random choices.
 
-enum
-{
-    CHILDREN = 4
-};
+#define CHILDREN 4
 
 bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, memory_pool *pool, edge_queue *queue,
                            bat_error *error)

@@ -19,12 +19,9 @@ static const double MIN_AREA = 1e-7;
 /// Relative to the mean diagonal entry, added to the diagonal. The matrix of a planar ring is singular.
 static const double SHIFT = 1e-8;
 
-enum
-{
-    /// Steps of inverse iteration. Eigenvalues of nearly developable rings are well separated; two steps leave an error
-    /// below one percent.
-    ITERATIONS = 3
-};
+/// Steps of inverse iteration. Eigenvalues of nearly developable rings are well separated; two steps leave an error
+/// below one percent.
+#define ITERATIONS 3
 
 /// 4 sqrt(3). The quality of a triangle is 4 sqrt(3) times its area over its squared edge lengths.
 static const double QUALITY_FACTOR = 6.92820323027550917411;

@@ -3,9 +3,6 @@
 #include "base/array_grow.h"
 #include "base/bisect.h"
 #include "base/error.h"
-#include "base/memory.h"
-
-#include <string.h>
 
 /// @file
 /// A point moves through the collapses of its face in order, or in reverse order. In each it keeps its place in the plane

@@ -5,9 +5,6 @@
 #include "mesh/labels.h"
 #include "mesh/refine/level.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 /// @file
 /// Images of midpoint subdivisions under a decimation map, and the transfer of channels and texture.
 

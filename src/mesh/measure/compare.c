@@ -338,10 +338,7 @@ static bool halve_all(compare_way *way, double limit, int threads, const pieces 
 {
     if (!make_room(halves, 2 * parts->count))
         return false;
-    enum
-    {
-        SHARE = 64
-    };
+    static const size_t SHARE = 64;
     size_t count = parts->count;
     threads = threads_for(threads, count / SHARE);
 #pragma omp parallel for schedule(dynamic, SHARE) num_threads(threads) if (threads > 1)

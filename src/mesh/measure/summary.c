@@ -5,12 +5,9 @@
 #include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/measure/closest.h"
-
-#include <string.h>
 
 /// @file
 /// Counts, connectivity and geometry of a mesh that need not be manifold.
@@ -296,10 +293,7 @@ static const mesh_measure MEASURES[] = {
     GIVEN(max_valence, "greatest valence", COUNT),
 };
 
-enum
-{
-    MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES
-};
+#define MEASURE_COUNT (sizeof MEASURES / sizeof *MEASURES)
 
 /// A measure that faces or edges are added to.
 typedef struct reduced

@@ -1,7 +1,6 @@
 #include "mesh/network/flap.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "mesh/refine/level.h"
 
 #include <assert.h>

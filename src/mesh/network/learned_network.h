@@ -3,8 +3,6 @@
 #include "batten/mesh_refine.h"
 #include "learn/model.h"
 #include "learn/packed.h"
-#include "learn/parameters.h"
-#include "learn/real.h"
 #include "mesh/network/flap.h"
 
 /// @file

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "learn/weights.h"
 #include "mesh/measure/closest.h"
-#include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
 
 // Creases and corners

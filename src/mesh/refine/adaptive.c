@@ -2,11 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "mesh/labels.h"
-
-#include <math.h>
-#include <string.h>
 
 /// @file
 /// A level holds the faces that are split on the level before, and those that share a vertex with them. Only the first are

@@ -5,7 +5,6 @@
 #include "batten/mesh_refine.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 /// Vertices within this share of the diagonal are on a plane: coordinates of six digits, and of single precision.

@@ -1,6 +1,5 @@
 #include "mesh/refine/level.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

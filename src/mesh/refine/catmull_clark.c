@@ -1,7 +1,5 @@
 #include "mesh/refine/scheme.h"
 
-#include <math.h>
-
 /// @file
 /// The scheme of Catmull and Clark, "Recursively generated B-spline surfaces on arbitrary topological meshes" (1978), with
 /// boundaries, creases and corners after DeRose, Kass and Truong, "Subdivision surfaces in character animation" (1998).

@@ -1,7 +1,5 @@
 #include "mesh/refine/scheme.h"
 
-#include <math.h>
-
 /// @file
 /// The scheme of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners.
 ///
@@ -13,10 +11,7 @@
 /// The weight b of each neighbour in Loop's rule for a smooth vertex (Loop, 1987).
 static double ring_weight(unsigned valence)
 {
-    enum
-    {
-        REGULAR = 6
-    };
+    static const int REGULAR = 6;
     if (valence == REGULAR)
         return 1.0 / 16;
     double root = 3.0 / 8 + cos(ANGLE_TURN / valence) / 4;

@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "batten/mesh_refine.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file
@@ -173,10 +172,7 @@ static void project(const normal_rules *rules, unsigned valence, double sign, do
 /// Iterate to the left eigenvector of the largest eigenvalue below 1. `room` holds as many numbers as the row.
 static void find_tangent(const normal_rules *rules, unsigned valence, double sign, double *row, double *room)
 {
-    enum
-    {
-        MAX_STEPS = 10000
-    };
+    static const int MAX_STEPS = 10000;
     size_t size = 1 + (rules->quads ? 2 : 1) * (size_t)valence;
     for (unsigned i = 0; i < valence; i++)
     {

@@ -5,8 +5,6 @@
 #include "base/option.h"
 #include "mesh/refine/brake.h"
 
-#include <math.h>
-
 /// @file
 /// Options of a refinement, checked, and the sizes of all levels.
 

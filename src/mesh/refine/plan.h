@@ -1,9 +1,6 @@
 #pragma once
 
-#include "batten/mesh_refine.h"
 #include "mesh/refine/scheme.h"
-#include "mesh/refine/sharpness.h"
-#include "mesh/sides.h"
 
 /// @file
 /// The steps of a refinement.

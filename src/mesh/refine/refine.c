@@ -5,8 +5,6 @@
 #include "mesh/refine/brake.h"
 #include "mesh/refine/plan.h"
 
-#include <string.h>
-
 /// @file
 /// Refinement of a mesh level by level: positions, channels, texture, creases and corners.
 ///

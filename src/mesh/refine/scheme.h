@@ -2,7 +2,6 @@
 
 #include "base/choice.h"
 #include "batten/mesh_refine.h"
-#include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
 
 /// @file

@@ -3,8 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <math.h>
-
 /// @file
 /// A vertex of valence n becomes (1 - a) v + a / n sum_i v_i with a = (4 - 2 cos(2 pi / n)) / 9; the new vertex of a face is
 /// its centroid. A trisection moves boundary vertices by (4, 19, 4) / 27 and adds (1, 16, 10) / 27 and (10, 16, 1) / 27.

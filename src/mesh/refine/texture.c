@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "mesh/hash_table.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/threads.h"
 #include "batten/mesh_transfer.h"
@@ -7,9 +6,6 @@
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
 #include "mesh/measure/closest.h"
-
-#include <math.h>
-#include <string.h>
 
 /// @file
 /// Images of a fine mesh by the texture coordinates of its decimation: each texel goes through the map.
@@ -334,10 +330,7 @@ static bat_status make_image(const baking *all, bool wanted, const unsigned char
 /// where no normal serves all faces they stay behind one.
 static void face_normals(const bat_mesh *mesh, double *normals)
 {
-    enum
-    {
-        STEPS = 100
-    };
+    static const int STEPS = 100;
     static const double least = 0.25; // the cosine that all faces get
     bool wrong = true;
     for (int step = 0; step < STEPS && wrong; step++)

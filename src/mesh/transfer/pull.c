@@ -1,14 +1,10 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_transfer.h"
 #include "mesh/check.h"
 #include "mesh/decimate/map.h"
 #include "mesh/hash_table.h"
 #include "mesh/labels.h"
-
-#include <math.h>
-#include <string.h>
 
 /// @file
 /// Values and labels of a decimated mesh: projections in the mean square over the fine mesh, through the map. Chains of

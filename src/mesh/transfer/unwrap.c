@@ -1,12 +1,9 @@
 #include "base/counting_sort.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "batten/mesh_transfer.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
-
-#include <string.h>
 
 /// @file
 /// An atlas: charts that are projected onto planes, and their packing by outlines.

@@ -13,14 +13,9 @@
 #include "surface/cloud/boundary.h"
 
 #include "base/array_grow.h"
-#include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
-
-#include <math.h>
-#include <string.h>
 
 enum
 {

@@ -6,11 +6,9 @@
 
 #include "surface/cloud/boundary.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 #include "surface/cloud/part.h"
 
-#include <math.h>
 #include <string.h>
 
 static const int MIN_BOUNDARY = 4;

@@ -1,9 +1,7 @@
 #pragma once
 
-#include "batten/cloud.h"
 #include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/spatial_order.h"
 
 /// @file
 /// The boundary of a cloud, in three steps: what the cloud is, closed polygons along its edge, the choice of one.

@@ -11,7 +11,6 @@
 #include "base/bisect.h"
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
 

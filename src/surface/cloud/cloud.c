@@ -3,7 +3,6 @@
 /// = 1).
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "mesh/check.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/spatial_order.h"

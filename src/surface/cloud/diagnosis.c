@@ -5,10 +5,8 @@
 
 #include "base/disjoint_sets.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 
-#include <math.h>
 #include <string.h>
 
 // A line

@@ -4,7 +4,6 @@
 #include "surface/cloud/local_plane.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/symmetric.h"
 #include "linalg/vector.h"
 

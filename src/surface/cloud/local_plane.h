@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/cloud.h"
 #include "surface/cloud/spatial_order.h"
 
 /// @file

@@ -7,7 +7,6 @@
 #include "linalg/vector.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 
 #include <string.h>

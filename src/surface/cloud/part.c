@@ -4,7 +4,6 @@
 #include "surface/cloud/part.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 
 #include <math.h>

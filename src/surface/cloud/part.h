@@ -1,8 +1,6 @@
 #pragma once
 
-#include "batten/cloud.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/spatial_order.h"
 
 /// @file
 /// A part of a cloud that stands for all of it: a random sample of a large cloud, or an even sample of scan lines.

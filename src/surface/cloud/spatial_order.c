@@ -2,7 +2,6 @@
 /// Renumbering of clouds in spatial order; see spatial_order.h.
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "surface/cloud/local_plane.h"
 
 #include <math.h>

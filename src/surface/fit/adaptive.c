@@ -8,13 +8,10 @@
 /// The default criterion for lambda is restricted likelihood. With `robust`, points are re-weighted after every measurement.
 
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "surface/fit/loop.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum

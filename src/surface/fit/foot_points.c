@@ -13,8 +13,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 bat_status fit_nets_make(const bat_hierarchical_space *space, const double *control, size_t dimension, int threads,
                          fit_nets *nets, bat_error *error)

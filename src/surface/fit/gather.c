@@ -8,7 +8,6 @@
 #include "surface/fit/system.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 double fit_random_sign(uint32_t number, size_t probe)

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "batten/surface_fit.h"
-#include "surface/fit/points.h"
 #include "surface/fit/system.h"
 
 /// @file

@@ -11,9 +11,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 // Share of the total squared error that the marked cells carry, without a tolerance (Doerfler, 1996).
 static const double BULK_SHARE = 0.3;
 // Minimum growth factor of the number of functions in one round, which bounds the number of rounds.

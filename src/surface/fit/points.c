@@ -7,7 +7,6 @@
 #include "surface/fit/loop.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 bat_status team_gather(const fit_team *team, const void *bytes, size_t size, size_t **sizes, char **all, bat_error *error)

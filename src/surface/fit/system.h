@@ -1,6 +1,5 @@
 #pragma once
 
-#include "batten/spline.h"
 #include "surface/fit/points.h"
 
 /// @file

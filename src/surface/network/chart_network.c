@@ -11,10 +11,7 @@
 
 #include <stdio.h>
 
-enum
-{
-    ORDERS = CHART_DEGREE + 1
-};
+#define ORDERS (CHART_DEGREE + 1)
 
 /// A chart is treated as folded when the residual of its patch, beyond the noise, exceeds this in the unit box.
 static const double MAX_RESIDUAL = 0.05;

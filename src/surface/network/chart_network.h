@@ -4,7 +4,6 @@
 
 #include "batten/cloud_parameterize.h"
 #include "learn/model.h"
-#include <math.h>
 
 /// @file
 /// Networks that parameterize clouds, as rows of learn/model.h: training, files and bat_surface_model_parameterize() use

@@ -4,12 +4,10 @@
 #include "surface/parameterize/weights.h"
 
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// The number of points that are not unknowns.

@@ -14,11 +14,9 @@
 
 #include "surface/parameterize/weights.h"
 
-#include "base/error.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -13,7 +13,6 @@
 #include "surface/cloud/local_plane.h"
 #include "surface/parameterize/weights.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// A cloud prepared for fold detection with any number of parameterizations.

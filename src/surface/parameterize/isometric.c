@@ -8,7 +8,6 @@
 #include "surface/cloud/delaunay.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum

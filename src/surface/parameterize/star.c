@@ -10,8 +10,6 @@
 #include "linalg/vector.h"
 #include "surface/cloud/delaunay.h"
 
-#include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// Corners of the hull within this sine of a straight line are omitted.

@@ -7,7 +7,6 @@
 #include "base/threads.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const size_t CHUNK_ROWS = 512; ///< rows computed by one thread at a time

@@ -1,14 +1,9 @@
 #pragma once
 
-#include "base/memory.h"
-#include "batten/cloud.h"
 #include "batten/cloud_parameterize.h"
 #include "linalg/multifrontal.h"
 #include "linalg/sparse.h"
 #include "surface/cloud/spatial_order.h"
-
-#include <stdbool.h>
-#include <stddef.h>
 
 /// @file
 /// Weights w_ik > 0 with sum_k w_ik = 1, which make the parameter of each interior point a convex combination of its

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// The contribution of a triangle to the weights of corner `at`: tan(angle / 2) / length for both adjacent edges.

@@ -11,12 +11,9 @@
 #include "surface/shell/shell.h"
 
 #include "base/array_grow.h"
-#include "base/error.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
-
-#include <string.h>
 
 #define FIRST_CELLS 12 ///< least number of cells of the first grid along the longest side
 #define FULL_CELLS 64  ///< most cells of a full grid

@@ -8,9 +8,7 @@
 
 #include "base/error.h"
 #include "linalg/vector.h"
-#include "search/nearest.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define SAMPLES 3 ///< of a patch and direction

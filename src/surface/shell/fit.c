@@ -9,16 +9,12 @@
 #include "surface/shell/shell.h"
 
 #include "base/counting_sort.h"
-#include "base/error.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "linalg/multifrontal.h"
 #include "linalg/vector.h"
 #include "mesh/sides.h"
 #include "surface/fit/system.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 /// Ratio of the variance to assume to that of residuals: corrections leave noise in one of three coordinates.
 static const double SPREAD = 3;

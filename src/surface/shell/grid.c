@@ -20,8 +20,6 @@
 #include "linalg/vector.h"
 #include "mesh/sides.h"
 
-#include <string.h>
-
 #define MAX_RING 64 ///< the largest valence
 #define MAX_SAMPLES 256
 

@@ -15,7 +15,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define MAX_CUTS 1000

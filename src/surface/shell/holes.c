@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define SMOOTHINGS 40 ///< of boundaries

@@ -7,7 +7,6 @@
 #include "batten/mesh_measure.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define JUMP_PLACES 3 ///< of a side

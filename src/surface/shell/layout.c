@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// Cost of an angle between normals, relative to that of a corner.

@@ -6,16 +6,13 @@
 
 #include "surface/shell/shell.h"
 
-#include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_refine.h"
 #include "mesh/check.h"
 #include "mesh/refine/sharpness.h"
-#include "mesh/sides.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define MIN_POINTS 300

@@ -1,10 +1,8 @@
 #pragma once
 
-#include "base/memory.h"
 #include "batten/mesh_decimate.h"
 #include "batten/shell.h"
 #include "linalg/sparse.h"
-#include "search/nearest.h"
 #include "surface/cloud/local_plane.h"
 
 #include <math.h>

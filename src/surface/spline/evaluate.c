@@ -12,10 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-enum
-{
-    MAX_LOCALS = (BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1)
-};
+#define MAX_LOCALS ((BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1))
 
 /// The univariate functions of an active cell and their derivatives by u or v.
 /// @param direction   0 for u, 1 for v

@@ -12,9 +12,6 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
-
-#include <string.h>
 
 /// Convert the boxes of the tree to runs of cells for each level.
 static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)

@@ -7,10 +7,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "surface/spline/hierarchical_space.h"
-
-#include <string.h>
 
 /// The run with the same columns in the next row, if there is one.
 static size_t run_below(const run_set *cells, const grid_run *run)

@@ -14,8 +14,6 @@
 #include "linalg/dense.h"
 #include "linalg/vector.h"
 
-#include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -77,13 +75,11 @@ static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t ste
     return loop->points[at < 0 ? at + count : at];
 }
 
+#define POINTS (2 * ARM + 1)
+
 /// Residual of the parabola through the points within ARM steps, in the axes of its chord.
 static double residual_at(const fair_loop *loop, size_t index)
 {
-    enum
-    {
-        POINTS = 2 * ARM + 1
-    };
     const double *from = point_at(loop, index, -ARM), *to = point_at(loop, index, ARM), *origin = loop->points[index];
     double length = hypot(to[0] - from[0], to[1] - from[1]);
     if (!(length > 0))

@@ -13,7 +13,6 @@
 #include "linalg/multifrontal.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum

@@ -8,7 +8,6 @@
 #include "base/error.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const size_t SPAN_POINTS = 8; ///< corners of the polygon for each span of a curve

@@ -12,7 +12,6 @@
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /// A level of empty triangles.
@@ -27,10 +26,7 @@ typedef struct void_level
 
 /// The areas are exceeded in one of some twenty sets of 4,000 points at random places.
 static const void_level LEVELS[] = {{2.2, 18, 0, 6, 1}, {1.5, 22, 14, 10, 0.5}, {1.05, 40, 45, 12, 0.5}};
-enum
-{
-    LEVEL_COUNT = sizeof LEVELS / sizeof *LEVELS
-};
+#define LEVEL_COUNT (sizeof LEVELS / sizeof *LEVELS)
 /// Number of points that the areas are of, and their growth with its logarithm.
 static const double LEVEL_POINTS = 4000;
 static const double LEVEL_GROWTH = 0.1;

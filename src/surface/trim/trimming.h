@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/memory.h"
 #include "batten/spline.h"
 #include "surface/verdict.h"
 
