@@ -196,8 +196,7 @@ double legend_height(cairo_t *cairo, const legend_item *items, size_t count, dou
         return 0.0;
     double sum, widest;
     measure(cairo, items, count, width, &sum, &widest);
-    size_t columns = columns_of(sum, widest, count, width);
-    size_t rows = (count + columns - 1) / columns;
+    size_t columns = columns_of(sum, widest, count, width), rows = (count + columns - 1) / columns;
     return ROW * (double)rows;
 }
 

@@ -11,10 +11,8 @@
 /// The Möbius translation (z + w) / (1 + conj(w) z) of the disk, which maps 0 to w.
 static void translate(const double *w, const double *z, double *result)
 {
-    double real = 1.0 + w[0] * z[0] + w[1] * z[1];
-    double imaginary = w[0] * z[1] - w[1] * z[0];
-    double x = z[0] + w[0];
-    double y = z[1] + w[1];
+    double real = 1.0 + w[0] * z[0] + w[1] * z[1], imaginary = w[0] * z[1] - w[1] * z[0];
+    double x = z[0] + w[0], y = z[1] + w[1];
     double square = real * real + imaginary * imaginary;
     double result_x = (x * real + y * imaginary) / square;
     result[1] = (y * real - x * imaginary) / square;
@@ -54,8 +52,7 @@ static void set_vector(const comb *segments, const double *before, const double 
                        double *vector)
 {
     size_t n = segments->point_dim;
-    double *a = scratch;
-    double *b = scratch + n;
+    double *a = scratch, *b = scratch + n;
     double mean = 0.5 * (direction_to(segments, p, before, a) + direction_to(segments, p, after, b));
     double sum = 0.0, difference = 0.0;
     for (size_t k = 0; k < n; k++)
@@ -135,8 +132,7 @@ void comb_tip(const comb *segments, size_t index, double scale, double *tip)
     const double *vector = segments->vectors + index * n;
     double length = sqrt(vector_dot(n, vector, vector));
     double reach = scale * length;
-    double along = length > 0.0 ? scale : 0.0;
-    double stay = 1.0;
+    double along = length > 0.0 ? scale : 0.0, stay = 1.0;
     if (segments->space == VIEW_SPHERE && length > 0.0)
     {
         stay = cos(reach);

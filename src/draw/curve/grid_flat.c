@@ -65,8 +65,7 @@ static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list 
                          const double box[4])
 {
     char text[TICK_SCALE_SIZE];
-    double right = box[0] + box[2];
-    double bottom = box[1] + box[3];
+    double right = box[0] + box[2], bottom = box[1] + box[3];
     text_use(cairo, TEXT_TICK, false);
     style_use_colour(cairo, COLOUR_MUTED);
     double widest = 0.0;
@@ -122,12 +121,10 @@ static void axis_name(cairo_t *cairo, const draw_view *view, const scene_frame *
     scene_corner(frame, to, q);
     view_place(view, p, &ends[0], &ends[1]);
     view_place(view, q, &ends[2], &ends[3]);
-    double dx = ends[2] - ends[0];
-    double dy = ends[3] - ends[1];
+    double dx = ends[2] - ends[0], dy = ends[3] - ends[1];
     double length = hypot(dx, dy);
     double away = axis == 2 ? -7.0 : 9.0; // z to the left of its edge; x and y below theirs
-    double side_x = length > 0.0 ? -dy / length : 0.0;
-    double side_y = length > 0.0 ? dx / length : 0.0;
+    double side_x = length > 0.0 ? -dy / length : 0.0, side_y = length > 0.0 ? dx / length : 0.0;
     if (axis == 2 ? side_x < 0.0 : side_y < 0.0)
     {
         side_x = -side_x;

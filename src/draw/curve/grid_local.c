@@ -124,12 +124,10 @@ static window_range range_of(const draw_view *view, const scene_frame *frame)
 {
     static const int STEPS = 64;
     window_range range = {.south = INFINITY, .north = -INFINITY, .west = INFINITY, .east = -INFINITY};
-    const double *low = frame->map.low;
-    const double *high = frame->map.high;
+    const double *low = frame->map.low, *high = frame->map.high;
     for (int i = 0; i <= STEPS; i++)
     {
-        double u = low[0] + (high[0] - low[0]) * i / STEPS;
-        double v = low[1] + (high[1] - low[1]) * i / STEPS;
+        double u = low[0] + (high[0] - low[0]) * i / STEPS, v = low[1] + (high[1] - low[1]) * i / STEPS;
         include_border(&range, view, frame, u, low[1]);
         include_border(&range, view, frame, u, high[1]);
         include_border(&range, view, frame, low[0], v);
@@ -185,8 +183,7 @@ static bool cross_side(const draw_view *view, const scene_frame *frame, const do
     {
         double next[2];
         view_project(view, points + (size_t)(3 * i), &next[0], &next[1]);
-        double from = last[side.axis] - side.at;
-        double to = next[side.axis] - side.at;
+        double from = last[side.axis] - side.at, to = next[side.axis] - side.at;
         if ((from < 0.0) != (to < 0.0))
         {
             double share = from / (from - to);
@@ -220,8 +217,7 @@ static void visit_lines(cairo_t *cairo, const draw_view *view, const scene_frame
         }
     step = range.lon_step;
     double middle = frame->map.longitude / SECOND;
-    double first = ceil((middle + range.west) / step);
-    double last = floor((middle + range.east) / step);
+    double first = ceil((middle + range.west) / step), last = floor((middle + range.east) / step);
     last = last * step - first * step > 4.0 * quarter - 0.5 * step ? last - 1.0 : last; // once around
     for (double k = first; k <= last; k += 1.0)
     {
@@ -267,8 +263,7 @@ static bool label_fits(window_range *range, double x, double y, double width)
 static void side_label(cairo_t *cairo, const draw_view *view, window_range *range, const char *label, window_side side,
                        bool high, const double place[2])
 {
-    double x = view_x(view, place[0]);
-    double y = view_y(view, place[1]);
+    double x = view_x(view, place[0]), y = view_y(view, place[1]);
     double width = text_width(cairo, label);
     double beside = LABEL_GAP + (side.axis == 1 ? 0.5 * TEXT_TICK : 0.5 * width);
     if (!label_fits(range, side.axis == 1 ? x : x + (high ? beside : -beside),
@@ -309,8 +304,7 @@ static void take_label(cairo_t *cairo, const draw_view *view, const scene_frame 
 /// The path of the window, which may be larger than the disk that the whole sphere becomes.
 static void window_path(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
-    double x = view_x(view, frame->map.low[0]);
-    double y = view_y(view, frame->map.high[1]);
+    double x = view_x(view, frame->map.low[0]), y = view_y(view, frame->map.high[1]);
     cairo_rectangle(cairo, x, y, view_x(view, frame->map.high[0]) - x, view_y(view, frame->map.low[1]) - y);
 }
 

@@ -11,10 +11,8 @@
 
 void grid_globe_sphere(cairo_t *cairo, const draw_view *view, bool sea)
 {
-    const double red = sea ? 0.945 : 1.0;
-    const double green = sea ? 0.97 : 1.0;
-    double x = view->origin_x;
-    double y = view->origin_y;
+    const double red = sea ? 0.945 : 1.0, green = sea ? 0.97 : 1.0;
+    double x = view->origin_x, y = view->origin_y;
     double radius = view->scale;
     cairo_pattern_t *light =
         cairo_pattern_create_radial(x - 0.3 * radius, y - 0.35 * radius, 0.1 * radius, x, y, 1.02 * radius);

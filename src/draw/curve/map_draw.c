@@ -178,15 +178,12 @@ static void add_runs(line_group *group, const bat_curve *curve, const unsigned c
         bool last = end == curve->count && !around;      // up to the edge that ends at the first point
         if (end > first)
             add_line(group, curve->points + first * dim, end - first + (around || last ? 0 : 1), around);
-        if (last && end > first)
+        if (last && end > first && dim <= 3)
         {
             double edge[2 * 3] = {0};
-            if (dim <= 3)
-            {
-                memcpy(edge, curve->points + (end - 1) * dim, dim * sizeof(double));
-                memcpy(edge + dim, curve->points, dim * sizeof(double));
-                add_line(group, edge, 2, false);
-            }
+            memcpy(edge, curve->points + (end - 1) * dim, dim * sizeof(double));
+            memcpy(edge + dim, curve->points, dim * sizeof(double));
+            add_line(group, edge, 2, false);
         }
         first = end + 1;
     }

@@ -34,7 +34,6 @@ static void ball_centre(const bat_curve *const *curves, size_t count, double *ce
         const double *farthest = centre;
         double distance = 0.0;
         for (size_t k = 0; k < count; k++)
-        {
             for (size_t i = 0; i < curves[k]->count; i += stride)
             {
                 const double *p = curves[k]->points + 3 * i;
@@ -45,7 +44,6 @@ static void ball_centre(const bat_curve *const *curves, size_t count, double *ce
                     farthest = p;
                 }
             }
-        }
         double target[3];
         memcpy(target, farthest, sizeof target);
         for (int k = 0; k < 3; k++)
@@ -139,8 +137,7 @@ static void finish_window(map_choice *choice, const window *seen)
     for (int k = 0; k < 2; k++)
         side[k] = seen->high[k] - seen->low[k];
     double room = fmax(2.0 * MARGIN * fmax(side[0], side[1]), MIN_SIDE);
-    double width = side[0] + room;
-    double height = side[1] + room;
+    double width = side[0] + room, height = side[1] + room;
     width = fmax(width, height / TALLEST);
     height = fmax(height, width * FLATTEST);
     double half[2] = {0.5 * width, 0.5 * height};
@@ -264,17 +261,11 @@ static void edge_ends(const network_builder *builder, edge_place place, const do
     const bat_curve *curve = builder->panel->layers[place.curve].curve;
     *p = curve->points + place.edge * builder->point_dim;
     *q = curve->points + (place.edge + 1 < curve->count ? place.edge + 1 : 0) * builder->point_dim;
-    for (size_t k = 0; k < builder->point_dim; k++)
-    {
-        if ((*p)[k] != (*q)[k])
-        {
-            const double *first = *p;
-            bool swap = (*p)[k] > (*q)[k];
-            *p = swap ? *q : first;
-            *q = swap ? first : *q;
-            return;
-        }
-    }
+    size_t k = 0;
+    while (k < builder->point_dim && (*p)[k] == (*q)[k])
+        k++;
+    if (k < builder->point_dim && (*p)[k] > (*q)[k])
+        SWAP(*p, *q);
 }
 
 /// Whether layers are drawn in one style.
@@ -318,8 +309,7 @@ static size_t feature_index(const network_builder *builder, size_t layer)
 
 static bool add_pair(network_builder *builder, size_t layer, size_t other)
 {
-    size_t a = feature_index(builder, layer);
-    size_t b = feature_index(builder, other);
+    size_t a = feature_index(builder, layer), b = feature_index(builder, other);
     feature_pair pair = {a < b ? a : b, a < b ? b : a};
     bool known = builder->pair_count > 0 && compare_pairs(&builder->pairs[builder->pair_count - 1], &pair) == 0;
     return a == b || known || ARRAY_ADD(builder->pairs, builder->pair_capacity, builder->pair_count, pair);

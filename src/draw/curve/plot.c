@@ -128,8 +128,7 @@ static void clip_share(double from, double step, double low, double high, double
         *leave = from < low || from > high ? -1.0 : *leave;
         return;
     }
-    double a = (low - from) / step;
-    double b = (high - from) / step;
+    double a = (low - from) / step, b = (high - from) / step;
     *enter = fmax(*enter, fmin(a, b));
     *leave = fmin(*leave, fmax(a, b));
 }

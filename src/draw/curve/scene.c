@@ -133,16 +133,11 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
     return status;
 }
 
-static void include_place(scene_frame *frame, double u, double v)
-{
-    box_include(2, (const double[]){u, v}, frame->low, frame->high);
-}
-
 static void include_point(scene_frame *frame, const draw_view *view, const double *point)
 {
-    double u, v;
-    view_project(view, point, &u, &v);
-    include_place(frame, u, v);
+    double place[2];
+    view_project(view, point, &place[0], &place[1]);
+    box_include(2, place, frame->low, frame->high);
     if (view->space == VIEW_SOLID)
         box_include(3, point, frame->box_low, frame->box_high);
 }
@@ -202,15 +197,13 @@ static void include_combs(scene_frame *frame, const scene_panel *panel, double *
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
     view_set_solid(&view);
     for (size_t i = 0; i < panel->drawn->layer_count; i++)
-    {
         for (size_t k = 0; k < panel->combs[i].count; k++)
         {
-            double u, v;
+            double place[2];
             comb_tip(&panel->combs[i], k, frame->comb_scale, tip);
-            view_project(&view, tip, &u, &v);
-            include_place(frame, u, v);
+            view_project(&view, tip, &place[0], &place[1]);
+            box_include(2, place, frame->low, frame->high);
         }
-    }
 }
 
 /// Choose a common comb scale for the panels first, …, end - 1 like `panel`, and extend the frame by the segments.
@@ -277,19 +270,17 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
     size_t first, end;
     sharing(made, index, &first, &end);
     for (size_t i = first; i < index; i++)
-    {
         if (same_space(panel, &made->panels[i]))
         {
             panel->frame = made->panels[i].frame;
             return BAT_OK;
         }
-    }
     bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
     for (size_t i = first; i < end && flat; i++)
         if (same_space(panel, &made->panels[i]))
             include_curves(&frame, made, &made->panels[i]);
     if (flat && !(frame.low[0] <= frame.high[0]))
-        include_place(&frame, 0.0, 0.0);
+        box_include(2, (const double[]){0.0, 0.0}, frame.low, frame.high);
     bat_status status = panel->space == VIEW_SPHERE ? frame_sphere(&frame, made, first, end, error) : BAT_OK;
     for (size_t i = first; i < end && panel->space == VIEW_TENSOR && status == BAT_OK; i++)
         status = same_space(panel, &made->panels[i]) ? tensor_row_include(&frame, made->panels[i].drawn, error) : BAT_OK;

@@ -42,8 +42,7 @@ static double cross(double ax, double ay, double bx, double by)
 /// Intersect the wedge with the directions from the anchor that pass within `margin` of (dx, dy), which is `distance` away.
 static void narrow_wedge(path_simplifier *simplifier, double dx, double dy, double distance, double margin)
 {
-    double sine = margin / distance;
-    double cosine = sqrt(1.0 - sine * sine);
+    double sine = margin / distance, cosine = sqrt(1.0 - sine * sine);
     double left_x = cosine * dx - sine * dy;
     double left_y = sine * dx + cosine * dy;
     double right_x = cosine * dx + sine * dy;
@@ -65,8 +64,7 @@ static void narrow_wedge(path_simplifier *simplifier, double dx, double dy, doub
 void simplifier_consider(path_simplifier *simplifier, double x, double y)
 {
     double margin = 0.5 * simplifier->tolerance;
-    double dx = x - simplifier->anchor_x;
-    double dy = y - simplifier->anchor_y;
+    double dx = x - simplifier->anchor_x, dy = y - simplifier->anchor_y;
     double distance = hypot(dx, dy);
     bool inside = !simplifier->wedge || (cross(simplifier->right_x, simplifier->right_y, dx, dy) >= 0.0 &&
                                          cross(dx, dy, simplifier->left_x, simplifier->left_y) >= 0.0);

@@ -40,11 +40,9 @@ static void mark(coverage_map *map, double x, double y)
 static void mark_to(void *context, double x, double y, bool begins)
 {
     coverage_map *map = context;
-    double dx = x - map->x;
-    double dy = y - map->y;
+    double dx = x - map->x, dy = y - map->y;
     double steps = ceil(sqrt(dx * dx + dy * dy) * (4.0 / COVERAGE_CELL));
-    double step_x = dx / steps;
-    double step_y = dy / steps;
+    double step_x = dx / steps, step_y = dy / steps;
     for (double i = 1.0; i < steps && !begins; i += 1.0)
         mark(map, map->x + i * step_x, map->y + i * step_y);
     mark(map, x, y);

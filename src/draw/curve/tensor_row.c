@@ -161,8 +161,7 @@ static void trace_front(cairo_t *cairo, const double *a, const double *b, double
     for (int step = 0; step <= STEPS; step++)
     {
         double angle = middle + ANGLE_TURN * (0.5 * step / STEPS - 0.25);
-        double u = a[0] * cos(angle) + b[0] * sin(angle);
-        double v = a[1] * cos(angle) + b[1] * sin(angle);
+        double u = a[0] * cos(angle) + b[0] * sin(angle), v = a[1] * cos(angle) + b[1] * sin(angle);
         (step == 0 ? cairo_move_to : cairo_line_to)(cairo, x + scale * u, y - scale * v);
     }
 }

@@ -11,10 +11,8 @@
 /// Draw the arc from p to q around `centre`, without p, in steps that deviate from it by at most the tolerance.
 static void trace_arc(const draw_view *view, const double *centre, const double *p, const double *q, path_simplifier *path)
 {
-    double ax = p[0] - centre[0];
-    double ay = p[1] - centre[1];
-    double bx = q[0] - centre[0];
-    double by = q[1] - centre[1];
+    double ax = p[0] - centre[0], ay = p[1] - centre[1];
+    double bx = q[0] - centre[0], by = q[1] - centre[1];
     double radius = hypot(ax, ay);
     double sweep = atan2(ax * by - ay * bx, ax * bx + ay * by);
     double steps = ceil(fabs(sweep) / fmin(0.2, sqrt(8.0 * view->tolerance / (radius * view->scale))));
@@ -33,10 +31,8 @@ static void trace_geodesic(const draw_view *view, const double *p, const double 
 {
     double chord = hypot(q[0] - p[0], q[1] - p[1]);
     double determinant = 2.0 * (p[0] * q[1] - p[1] * q[0]);
-    double a = 1.0 + p[0] * p[0] + p[1] * p[1];
-    double b = 1.0 + q[0] * q[0] + q[1] * q[1];
-    double numerator_x = a * q[1] - b * p[1];
-    double numerator_y = b * p[0] - a * q[0];
+    double a = 1.0 + p[0] * p[0] + p[1] * p[1], b = 1.0 + q[0] * q[0] + q[1] * q[1];
+    double numerator_x = a * q[1] - b * p[1], numerator_y = b * p[0] - a * q[0];
     double centre[2] = {numerator_x / determinant, numerator_y / determinant};
     double radius = sqrt(fmax(centre[0] * centre[0] + centre[1] * centre[1] - 1.0, 0.0));
     double sagitta = chord * chord / (8.0 * radius);
@@ -80,18 +76,15 @@ view_space view_space_of(const bat_space *space)
 
 void view_set_globe(draw_view *view, double longitude, double latitude)
 {
-    double sine = sin(longitude);
-    double cosine = cos(longitude);
-    double up = sin(latitude);
-    double level = cos(latitude);
+    double sine = sin(longitude), cosine = cos(longitude);
+    double up = sin(latitude), level = cos(latitude);
     double rows[3][3] = {{-sine, cosine, 0.0}, {-up * cosine, -up * sine, level}, {level * cosine, level * sine, up}};
     memcpy(view->rotation, rows, sizeof rows);
 }
 
 void view_set_map(draw_view *view, double longitude)
 {
-    double sine = sin(longitude);
-    double cosine = cos(longitude);
+    double sine = sin(longitude), cosine = cos(longitude);
     double rows[3][3] = {{cosine, sine, 0.0}, {-sine, cosine, 0.0}, {0.0, 0.0, 1.0}};
     memcpy(view->rotation, rows, sizeof rows);
 }
@@ -105,27 +98,19 @@ void view_set_solid(draw_view *view)
 
 bool view_project(const draw_view *view, const double *point, double *u, double *v)
 {
-    if (view->space == VIEW_SOLID || view->kind == VIEW_GLOBE)
-    {
-        double rotated[3];
+    double rotated[3] = {point[0], point[1], 0};
+    if (view->space == VIEW_SOLID || (view->kind != VIEW_FLAT && view->kind != VIEW_POINCARE))
         view_rotate(view, point, rotated);
+    if (view->kind == VIEW_LOCAL)
+        view_equal_area(rotated, u, v);
+    else if (view->kind == VIEW_MAP)
+        view_equal_earth(atan2(rotated[1] + 0.0, rotated[0]), atan2(rotated[2], hypot(rotated[0], rotated[1])), u, v);
+    else
+    {
         *u = rotated[0];
         *v = rotated[1];
-        return view->kind != VIEW_GLOBE || rotated[2] >= 0.0;
     }
-    if (view->kind == VIEW_MAP || view->kind == VIEW_LOCAL)
-    {
-        double rotated[3];
-        view_rotate(view, point, rotated);
-        if (view->kind == VIEW_LOCAL)
-            view_equal_area(rotated, u, v);
-        else
-            view_equal_earth(atan2(rotated[1] + 0.0, rotated[0]), atan2(rotated[2], hypot(rotated[0], rotated[1])), u, v);
-        return true;
-    }
-    *u = point[0];
-    *v = point[1];
-    return true;
+    return view->kind != VIEW_GLOBE || rotated[2] >= 0.0;
 }
 
 bool view_place(const draw_view *view, const double *point, double *x, double *y)
@@ -139,13 +124,11 @@ bool view_place(const draw_view *view, const double *point, double *x, double *y
 
 static void trace_flat(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
 {
-    double x, y;
-    view_place(view, points, &x, &y);
-    simplifier_move(path, x, y);
-    for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
+    for (size_t i = 0; i < count + (closed ? 1 : 0); i++)
     {
+        double x, y;
         view_place(view, points + (i < count ? i : 0) * view->point_dim, &x, &y);
-        simplifier_line(path, x, y);
+        (i == 0 ? simplifier_move : simplifier_line)(path, x, y);
     }
 }
 

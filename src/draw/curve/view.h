@@ -46,8 +46,7 @@ void simplifier_flush(path_simplifier *simplifier);
 /// Continue the sub-path to (x, y). Points very near to their predecessor, as in dense curves, cost a few instructions.
 static inline void simplifier_line(path_simplifier *simplifier, double x, double y)
 {
-    double dx = x - simplifier->considered_x;
-    double dy = y - simplifier->considered_y;
+    double dx = x - simplifier->considered_x, dy = y - simplifier->considered_y;
     double skip = 0.15 * simplifier->tolerance;
     simplifier->last_x = x;
     simplifier->last_y = y;

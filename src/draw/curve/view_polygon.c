@@ -70,21 +70,22 @@ static void page_line(const ring_tracer *tracer, double u, double v)
     }
 }
 
+/// Add the area beside a straight line to a point of an equal-area projection.
+static void add_area(ring_tracer *tracer, double u, double v)
+{
+    tracer->area += tracer->area_u * v - tracer->area_v * u;
+    tracer->area_u = u;
+    tracer->area_v = v;
+}
+
 /// Continue straight to a point.
 static void ring_line(ring_tracer *tracer, const double *point)
 {
-    double area_u, area_v;
     ring_project(tracer, point, &tracer->longitude, &tracer->u, &tracer->v);
+    double area_u = tracer->u, area_v = tracer->v;
     if (tracer->view->kind == VIEW_GLOBE)
         view_equal_area(point, &area_u, &area_v);
-    else
-    {
-        area_u = tracer->u;
-        area_v = tracer->v;
-    }
-    tracer->area += tracer->area_u * area_v - tracer->area_v * area_u;
-    tracer->area_u = area_u;
-    tracer->area_v = area_v;
+    add_area(tracer, area_u, area_v);
     tracer->low = fmin(tracer->low, tracer->longitude);
     tracer->high = fmax(tracer->high, tracer->longitude);
     tracer->front = tracer->front || point[2] >= 0.0;
@@ -185,6 +186,15 @@ static void ring_turn(ring_tracer *tracer, const bat_curve *ring)
     }
 }
 
+/// Continue straight to a longitude and latitude of a map.
+static void map_line(ring_tracer *tracer, double longitude, double latitude)
+{
+    double u, v;
+    view_equal_earth(longitude, latitude, &u, &v);
+    add_area(tracer, u, v);
+    page_line(tracer, u, v);
+}
+
 /// Close a ring around the axis of a map along the line of the south pole.
 static void close_by_pole(ring_tracer *tracer, double start)
 {
@@ -194,20 +204,9 @@ static void close_by_pole(ring_tracer *tracer, double start)
     for (int i = 1; i <= 2 * STEPS; i++)
     {
         double share = i <= STEPS ? (double)i / STEPS : (double)(2 * STEPS - i) / STEPS;
-        double u, v;
         if (i == STEPS + 1)
-        {
-            view_equal_earth(start, -0.5 * ANGLE_PI, &u, &v);
-            tracer->area += tracer->area_u * v - tracer->area_v * u;
-            tracer->area_u = u;
-            tracer->area_v = v;
-            page_line(tracer, u, v);
-        }
-        view_equal_earth(i <= STEPS ? end : start, latitude - share * (latitude + 0.5 * ANGLE_PI), &u, &v);
-        tracer->area += tracer->area_u * v - tracer->area_v * u;
-        tracer->area_u = u;
-        tracer->area_v = v;
-        page_line(tracer, u, v);
+            map_line(tracer, start, -0.5 * ANGLE_PI);
+        map_line(tracer, i <= STEPS ? end : start, latitude - share * (latitude + 0.5 * ANGLE_PI));
     }
 }
 
@@ -228,8 +227,7 @@ static bool ring_measure(ring_tracer *tracer, const bat_curve *ring, double *win
 /// Trace a ring wherever it touches the map, or once in other views.
 static void ring_draw(ring_tracer *tracer, const bat_curve *ring, double winding, path_simplifier *path)
 {
-    double low = tracer->low;
-    double high = tracer->high;
+    double low = tracer->low, high = tracer->high;
     tracer->path = path;
     if (fabs(winding) > ANGLE_PI)
     {

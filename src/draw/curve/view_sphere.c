@@ -201,16 +201,11 @@ static bool map_straight(const map_tracer *tracer, const double *middle, const d
 /// Draw the shortest arc to `target`, bisected until its parts are straight in the view or, near a pole, `depth` is 0.
 static void map_arc(map_tracer *tracer, const double *target, int depth)
 {
-    if (depth == 0)
-    {
-        map_step(tracer, target);
-        return;
-    }
     double middle[3];
     for (int k = 0; k < 3; k++)
         middle[k] = tracer->point[k] + target[k];
     (void)vector3_normalize(middle);
-    if (chord_square(tracer->point, target) < 0.01 && map_straight(tracer, middle, target))
+    if (depth == 0 || (chord_square(tracer->point, target) < 0.01 && map_straight(tracer, middle, target)))
     {
         map_step(tracer, target);
         return;
@@ -299,7 +294,7 @@ static void add_curve(globe_moments *moments, const bat_curve *curve)
         const double *q = curve->points + 3 * i;
         double middle[3] = {p[0] + q[0], p[1] + q[1], p[2] + q[2]};
         double length = sqrt(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
-        double chord = sqrt(pow(q[0] - p[0], 2.0) + pow(q[1] - p[1], 2.0) + pow(q[2] - p[2], 2.0));
+        double chord = sqrt(chord_square(p, q));
         if (length > 0.0)
         {
             double direction[3] = {middle[0] / length, middle[1] / length, middle[2] / length};

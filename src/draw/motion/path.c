@@ -374,10 +374,7 @@ static void draw_line(cairo_t *cairo, const film *shown, const film_track *track
         if (floor != NULL)
             p[at->view->up] = *floor;
         place_point(at, p, &x, &y);
-        if (i == 0)
-            simplifier_move(&path, x, y);
-        else
-            simplifier_line(&path, x, y);
+        (i == 0 ? simplifier_move : simplifier_line)(&path, x, y);
     }
     simplifier_flush(&path);
     cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);

@@ -70,10 +70,7 @@ static void move_on(cairo_t *cairo, const pose_view *pose, const double body[3],
         x += pose->scale * body[a] * pose->axes[a][0];
         y -= pose->scale * body[a] * pose->axes[a][1];
     }
-    if (begin)
-        cairo_move_to(cairo, x, y);
-    else
-        cairo_line_to(cairo, x, y);
+    (begin ? cairo_move_to : cairo_line_to)(cairo, x, y);
 }
 
 static void draw_axis(cairo_t *cairo, const pose_view *pose, int axis, double from)
