@@ -85,12 +85,6 @@ static bat_status mesh_picture_options_check(const void *opaque, bat_error *erro
 const bat_options_table bat_mesh_picture_fields =
     OPTIONS_TABLE(bat_mesh_picture_options, FIELDS, mesh_picture_options_check);
 
-/// Prefix the text of an error with the number of its panel.
-static bat_status name_panel(bat_error *error, bat_status status, size_t panel)
-{
-    return error_prefix(error, status, "panel %zu: ", panel);
-}
-
 static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index, bat_error *error)
 {
     if (panel->mesh == NULL)
@@ -100,7 +94,7 @@ static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index,
                          "the title of panel %zu is not UTF-8 without control characters", index);
     bat_status status = bat_mesh_check(panel->mesh, error);
     if (status != BAT_OK)
-        return name_panel(error, status, index);
+        return error_prefix(error, status, "panel %zu: ", index);
     for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
         if (isinf(panel->values[v]))
             return error_set(error, BAT_INVALID_POINT, v, 0, "panel %zu: the value at vertex %zu is infinite", index, v);
@@ -171,7 +165,7 @@ static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count
         status = error_memory(error, count * sizeof *made->views);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         if (panels[i].mesh->offsets != NULL)
-            status = name_panel(error, bat_mesh_triangulate(panels[i].mesh, &made->cut[i], error), i);
+            status = error_prefix(error, bat_mesh_triangulate(panels[i].mesh, &made->cut[i], error), "panel %zu: ", i);
     if (status != BAT_OK)
     {
         scene_free(made);

@@ -241,7 +241,6 @@ static void write_directives(const csv_layout *layout, const bat_curve_set *set,
 
 static void write_header(const csv_layout *layout, const bat_curve_set *set, text_buffer *text)
 {
-    char separator = ',';
     write_directives(layout, set, text);
     if (layout->columns != NULL ? layout->columns->names == NULL : !layout->degrees)
         return;
@@ -250,10 +249,8 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
         static const char *const names[] = {"lon", "lat", "alt"};
         char other[32];
         (void)snprintf(other, sizeof other, "channel%zu", i);
-        if (i > 0)
-            text_append(text, &separator, 1);
-        if (i == layout->corner)
-            text_append_string(text, "corner,");
+        text_append_string(text, i > 0 ? "," : "");
+        text_append_string(text, i == layout->corner ? "corner," : "");
         const char *name = layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other;
         cells_write_text(name, layout->column_count == 1, text);
     }

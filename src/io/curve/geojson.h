@@ -242,8 +242,11 @@ bool crs_is_geographic(const char *short_name);
 /// Whether a short name is of WGS 84, the system of RFC 7946, which needs no member "crs".
 bool crs_is_default(const char *short_name);
 
-/// The URN of a short name, "urn:ogc:def:crs:EPSG::25833"; other names as they are. Writes at most `size` bytes.
-void crs_urn(const char *short_name, char *text, unsigned long size);
+/// Names that are shown are shorter; a system without a name has longer text.
+#define CRS_NAME_SIZE 128
+
+/// Append the member "crs" with the URN of a short name, "urn:ogc:def:crs:EPSG::25833"; other names as they are.
+void crs_append(const char *short_name, text_buffer *text);
 
 // Collections of GeoJSON that the readers of other formats make, so that the reader of GeoJSON does the rest.
 

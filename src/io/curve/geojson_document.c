@@ -225,10 +225,14 @@ bool crs_is_geographic(const char *short_name)
     return crs_is_default(short_name);
 }
 
-void crs_urn(const char *short_name, char *text, unsigned long size)
+void crs_append(const char *short_name, text_buffer *text)
 {
+    char urn[CRS_NAME_SIZE + 32];
     const char *code = after(short_name, "EPSG:");
-    (void)snprintf(text, size, "%s%s", code != NULL ? "urn:ogc:def:crs:EPSG::" : "", code != NULL ? code : short_name);
+    (void)snprintf(urn, sizeof urn, "%s%s", code != NULL ? "urn:ogc:def:crs:EPSG::" : "", code != NULL ? code : short_name);
+    text_append_string(text, "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":");
+    json_text_string(text, urn, strlen(urn));
+    text_append_string(text, "}}");
 }
 
 // Properties

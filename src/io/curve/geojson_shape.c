@@ -325,8 +325,7 @@ static void write_parts(const geojson_shape *shape, const geojson_style *style, 
     text_append_string(text, "[");
     for (size_t i = 0; i < count; i++)
     {
-        if (i > 0)
-            text_append_string(text, ",");
+        text_append_string(text, i > 0 ? "," : "");
         write_part(shape, style, first + i, text);
     }
     text_append_string(text, "]");
@@ -345,19 +344,14 @@ void geojson_shape_write(const geojson_shape *shape, const geojson_style *style,
         return;
     }
     size_t polygons = shape->cut ? shape->parts.count : shape->polygon_count;
-    size_t first = 0;
-    if (multiple)
-        text_append_string(text, "[");
-    for (size_t i = 0; i < polygons; i++)
+    text_append_string(text, multiple ? "[" : "");
+    for (size_t i = 0, first = 0, rings; i < polygons; i++, first += rings)
     {
-        if (i > 0)
-            text_append_string(text, ",");
-        size_t rings = shape->cut ? shape->parts.ring_counts[i] : shape->polygons[i].rings;
+        text_append_string(text, i > 0 ? "," : "");
+        rings = shape->cut ? shape->parts.ring_counts[i] : shape->polygons[i].rings;
         write_parts(shape, style, first, rings, text);
-        first += rings;
     }
-    if (multiple)
-        text_append_string(text, "]");
+    text_append_string(text, multiple ? "]" : "");
 }
 
 /// The value of a position of a piece.

@@ -102,8 +102,7 @@ static bool write_collection_member(geojson_output *out, const char *key, json_t
     text_append_string(out->text, "[");
     for (size_t i = 0; i < json_array_size(value) && *status == BAT_OK; i++)
     {
-        if (i > 0)
-            text_append_string(out->text, ",");
+        text_append_string(out->text, i > 0 ? "," : "");
         *status = write_geometry(out, json_array_get(value, i));
     }
     text_append_string(out->text, "]");
@@ -225,11 +224,9 @@ static bat_status write_wrapped(geojson_output *out, const geojson_feature *feat
 {
     bool wrap = out->writer->wraps && !geojson_has_type(feature->tree, "Feature");
     out->feature = feature;
-    if (wrap)
-        text_append_string(out->text, "{\"type\":\"Feature\",\"properties\":null,\"geometry\":");
+    text_append_string(out->text, wrap ? "{\"type\":\"Feature\",\"properties\":null,\"geometry\":" : "");
     bat_status status = write_feature(out, feature);
-    if (wrap)
-        text_append_string(out->text, "}");
+    text_append_string(out->text, wrap ? "}" : "");
     return status;
 }
 
@@ -367,17 +364,6 @@ static size_t altitude_channel(const bat_curve_set *set)
     return set->count == 0 || attributes_are_geojson(attributes) || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
 }
 
-#define CRS_NAME_SIZE 128 ///< names are shorter; a system without a name has longer text
-
-static void write_crs(const char *short_name, text_buffer *text)
-{
-    char urn[CRS_NAME_SIZE + 32];
-    crs_urn(short_name, urn, sizeof urn);
-    text_append_string(text, "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":");
-    json_text_string(text, urn, strlen(urn));
-    text_append_string(text, "}}");
-}
-
 /// Find the member "crs" to write: that of the options; for a set that is not from GeoJSON also that of its file.
 /// Coordinates of the plane need one, as GeoJSON without it is longitude and latitude. A set from GeoJSON may go back as it
 /// came.
@@ -389,7 +375,7 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
                    writer->document->layer == NULL;
     if (options->crs == NULL && !geojson && attributes != NULL && attributes->crs != NULL &&
         strlen(attributes->crs) < CRS_NAME_SIZE && !(globe && crs_is_default(attributes->crs)))
-        write_crs(attributes->crs, &writer->crs);
+        crs_append(attributes->crs, &writer->crs);
     if (options->crs != NULL)
     {
         char *name = crs_short_name(options->crs);
@@ -397,7 +383,7 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
             return error_memory(error, strlen(options->crs));
         bool fits = !globe || crs_is_geographic(name);
         if (fits && !(globe && crs_is_default(name)))
-            write_crs(name, &writer->crs);
+            crs_append(name, &writer->crs);
         free(name);
         if (!fits)
             return ERROR_ARGUMENT(error, "the curves have longitudes and latitudes, which are no coordinates in %.80s",

@@ -116,8 +116,7 @@ static bat_status append_arcs(topology_reader *reader, const json_t *arcs, int d
     text_append_string(&reader->geojson, "[");
     for (size_t i = 0; i < json_array_size(arcs) && status == BAT_OK; i++)
     {
-        if (depth > 0)
-            text_append_string(&reader->geojson, i > 0 ? "," : "");
+        text_append_string(&reader->geojson, depth > 0 && i > 0 ? "," : "");
         status = depth > 0 ? append_arcs(reader, json_array_get(arcs, i), depth - 1)
                            : append_arc(reader, json_array_get(arcs, i), i == 0);
     }
@@ -152,9 +151,9 @@ static bat_status append_geometry(topology_reader *reader, const json_t *geometr
         return fault(reader, "the geometry has an unknown type");
     if (depth == MAX_DEPTH)
         return fault(reader, "collections are nested too deep");
-    TEXT_APPEND(&reader->geojson, "{\"type\":\"", GEOMETRY_NAMES[kind]);
     bool collection = kind == GEOMETRY_COLLECTION;
-    text_append_string(&reader->geojson, collection ? "\",\"geometries\":[" : "\",\"coordinates\":");
+    TEXT_APPEND(&reader->geojson, "{\"type\":\"", GEOMETRY_NAMES[kind],
+                collection ? "\",\"geometries\":[" : "\",\"coordinates\":");
     bat_status status = BAT_OK;
     if (kind == GEOMETRY_POINT)
         status = append_position(reader, coordinates, NULL, true);
@@ -512,15 +511,13 @@ static void append_begin(topology_writer *writer, const bat_curve_set *set, cons
     const geojson_document *document = attributes_are_geojson(attributes) ? attributes->remainder.content : NULL;
     const char *name = document != NULL ? json_string_value(json_object_get(document->collection, "name")) : NULL;
     const char *crs = options->crs != NULL ? options->crs : attributes != NULL ? attributes->crs : NULL;
-    char urn[160];
+    static const size_t LONGEST = 80;
     name = name != NULL ? name : "curves";
     text_append_string(&writer->objects, "{\"type\":\"Topology\",");
-    if (crs != NULL && !crs_is_default(crs) && strlen(crs) < sizeof urn / 2)
+    if (crs != NULL && !crs_is_default(crs) && strlen(crs) < LONGEST)
     {
-        crs_urn(crs, urn, sizeof urn);
-        text_append_string(&writer->objects, "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":");
-        json_text_string(&writer->objects, urn, strlen(urn));
-        text_append_string(&writer->objects, "}},");
+        crs_append(crs, &writer->objects);
+        text_append_string(&writer->objects, ",");
     }
     text_append_string(&writer->objects, "\"objects\":{");
     json_text_string(&writer->objects, name, strlen(name));

@@ -487,8 +487,7 @@ static bat_status append_basis(text_buffer *text, const bat_spline_surface *surf
     bool hierarchical = bat_hierarchical_space_levels(surface->space) > 1;
     const char *name = !hierarchical ? "TensorBSpline" : options.truncated ? "THBSpline" : "HBSpline";
     text_append_format(text, "<Geometry type=\"%s2\" id=\"0\">\n<Basis type=\"%sBasis2\">\n", name, name);
-    if (hierarchical)
-        text_append_string(text, "<Basis type=\"TensorBSplineBasis2\">\n");
+    text_append_string(text, hierarchical ? "<Basis type=\"TensorBSplineBasis2\">\n" : "");
     append_direction(text, &options, 0);
     append_direction(text, &options, 1);
     text_append_string(text, "</Basis>\n");
