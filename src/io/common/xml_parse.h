@@ -23,13 +23,15 @@ static inline size_t xml_line(const xml_parse *xml)
     return (size_t)XML_GetCurrentLineNumber(xml->parser);
 }
 
-static inline void xml_stop(xml_parse *xml, bat_status status)
+/// Stop parsing. Returns false, as handlers that fail do.
+static inline bool xml_stop(xml_parse *xml, bat_status status)
 {
     xml->status = xml->status == BAT_OK ? status : xml->status;
     (void)XML_StopParser(xml->parser, XML_FALSE);
+    return false;
 }
 
-/// Fail at the parser's line.
+/// Fail at the parser's line: false.
 #define XML_FAIL(xml, status, ...) xml_stop(xml, error_set((xml)->error, status, BAT_NO_INDEX, xml_line(xml), __VA_ARGS__))
 
 /// The value of an attribute; null for none.

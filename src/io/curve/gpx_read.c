@@ -57,9 +57,9 @@ typedef struct gpx_reader
 /// Fail at the parser's line.
 #define FAIL(reader, status, ...) XML_FAIL(&(reader)->xml, status, __VA_ARGS__)
 
-static void fail_memory(gpx_reader *reader)
+static bool fail_memory(gpx_reader *reader)
 {
-    xml_stop(&reader->xml, error_memory(reader->xml.error, reader->source->contents.capacity));
+    return xml_stop(&reader->xml, error_memory(reader->xml.error, reader->source->contents.capacity));
 }
 
 /// The name of an element of GPX without its prefix; an empty text for another namespace.
@@ -108,22 +108,14 @@ static bool read_position(gpx_reader *reader, const XML_Char **attributes, doubl
         csv_field field = trimmed(text != NULL ? text : "", text != NULL ? text + strlen(text) : "");
         char excerpt[EXCERPT_SIZE];
         if (field.begin == field.end)
-        {
-            FAIL(reader, BAT_BAD_FILE, "a point has no attribute %s", names[i]);
-            return false;
-        }
+            return FAIL(reader, BAT_BAD_FILE, "a point has no attribute %s", names[i]);
         const char *fault = number_read(field.begin, field.end, &position[i]);
         if (fault != NULL)
-        {
-            FAIL(reader, BAT_BAD_FILE, "the attribute %s '%s' %s", names[i], text_excerpt(excerpt, field.begin, field.end),
-                 fault);
-            return false;
-        }
+            return FAIL(reader, BAT_BAD_FILE, "the attribute %s '%s' %s", names[i],
+                        text_excerpt(excerpt, field.begin, field.end), fault);
     }
     const char *fault = degrees_fault(position[0], position[1]);
-    if (fault != NULL)
-        FAIL(reader, BAT_BAD_FILE, "%s", fault);
-    return fault == NULL;
+    return fault == NULL || FAIL(reader, BAT_BAD_FILE, "%s", fault);
 }
 
 /// Begin a feature with these properties and no geometry. Null after a failure.
@@ -142,8 +134,7 @@ static bool begin_feature(gpx_reader *reader)
         return true;
     json_decref(tree);
     reader->properties = NULL;
-    fail_memory(reader);
-    return false;
+    return fail_memory(reader);
 }
 
 /// Take the altitudes out of the channels of a feature's curves where a point has none. Returns whether it did.

@@ -140,14 +140,14 @@ static void reader_free(reader_3mf *reader)
 /// Fail at the parser's line.
 #define FAIL(reader, status, ...) XML_FAIL(&(reader)->xml, status, __VA_ARGS__)
 
-static void fail_memory(reader_3mf *reader, size_t size)
+static bool fail_memory(reader_3mf *reader, size_t size)
 {
-    xml_stop(&reader->xml, error_memory(reader->xml.error, size));
+    return xml_stop(&reader->xml, error_memory(reader->xml.error, size));
 }
 
 /// Append to an array. False when out of memory, which is then the failure.
 #define ADD(reader, array, capacity, count, ...)                                                                            \
-    (ARRAY_ADD(array, capacity, count, __VA_ARGS__) || (fail_memory(reader, (count) * sizeof *(array)), false))
+    (ARRAY_ADD(array, capacity, count, __VA_ARGS__) || fail_memory(reader, (count) * sizeof *(array)))
 
 /// Read a whole number below `limit`; without the attribute `*value` stays, unless it is `needed`.
 static bool read_whole(reader_3mf *reader, const XML_Char **attributes, const char *name, size_t limit, bool needed,
@@ -166,11 +166,9 @@ static bool read_whole(reader_3mf *reader, const XML_Char **attributes, const ch
     }
     char excerpt[EXCERPT_SIZE];
     if (text == NULL)
-        FAIL(reader, BAT_BAD_FILE, "the attribute '%s' is missing", name);
-    else
-        FAIL(reader, BAT_BAD_FILE, "the attribute '%s' is '%s', but must be a whole number below %zu", name,
-             text_excerpt(excerpt, text, text + strlen(text)), limit);
-    return false;
+        return FAIL(reader, BAT_BAD_FILE, "the attribute '%s' is missing", name);
+    return FAIL(reader, BAT_BAD_FILE, "the attribute '%s' is '%s', but must be a whole number below %zu", name,
+                text_excerpt(excerpt, text, text + strlen(text)), limit);
 }
 
 /// Read `count` finite numbers between blanks.
@@ -185,17 +183,12 @@ static bool read_numbers(reader_3mf *reader, const char *name, const char *text,
         size_t size = strcspn(at, BLANKS);
         const char *wrong = size > 0 ? number_read(at, at + size, &values[i]) : "missing";
         if (wrong != NULL || !isfinite(values[i]))
-        {
-            FAIL(reader, BAT_BAD_FILE, "the attribute '%s' has number %zu of %zu '%s': %s", name, i + 1, count,
-                 text_excerpt(excerpt, at, at + size), wrong != NULL ? wrong : "not finite");
-            return false;
-        }
+            return FAIL(reader, BAT_BAD_FILE, "the attribute '%s' has number %zu of %zu '%s': %s", name, i + 1, count,
+                        text_excerpt(excerpt, at, at + size), wrong != NULL ? wrong : "not finite");
         at += size;
     }
-    if (at[strspn(at, BLANKS)] == '\0')
-        return true;
-    FAIL(reader, BAT_BAD_FILE, "the attribute '%s' has more than %zu numbers", name, count);
-    return false;
+    return at[strspn(at, BLANKS)] == '\0' ||
+           FAIL(reader, BAT_BAD_FILE, "the attribute '%s' has more than %zu numbers", name, count);
 }
 
 static bool read_transform(reader_3mf *reader, const XML_Char **attributes, affine *to)
@@ -412,10 +405,7 @@ static bool read_placed(reader_3mf *reader, const XML_Char **attributes, size_t 
         return false;
     const resource *found = find_resource(reader, id);
     if (found == NULL || found->kind != OBJECT || found->index >= limit)
-    {
-        FAIL(reader, BAT_BAD_FILE, "the object %zu is placed, but is not defined before", id);
-        return false;
-    }
+        return FAIL(reader, BAT_BAD_FILE, "the object %zu is placed, but is not defined before", id);
     made->object = found->index;
     reader->objects[found->index].placed = true;
     return read_transform(reader, attributes, &made->to);

@@ -71,10 +71,7 @@ static bool whole_attribute(xml_state *state, const XML_Char **attributes, const
     for (; text != NULL && text[digits] >= '0' && text[digits] <= '9' && number <= max_value; digits++)
         number = 10 * number + (uint64_t)(text[digits] - '0');
     if (digits == 0 || text[digits] != '\0' || number > max_value)
-    {
-        FAIL(state, BAT_BAD_FILE, "the attribute '%s' is missing or not a whole number up to %zu", name, max_value);
-        return false;
-    }
+        return FAIL(state, BAT_BAD_FILE, "the attribute '%s' is missing or not a whole number up to %zu", name, max_value);
     *value = (size_t)number;
     return true;
 }
@@ -133,8 +130,7 @@ static bool is_plain(xml_state *state, const XML_Char **attributes)
     const char *format = xml_attribute(attributes, "format"), *order = xml_attribute(attributes, "order");
     if ((format == NULL || strcmp(format, "ASCII") == 0 || strcmp(format, "ascii") == 0) && order == NULL)
         return true;
-    FAIL(state, BAT_UNSUPPORTED, "only numbers in ASCII, one point after the other, are supported");
-    return false;
+    return FAIL(state, BAT_UNSUPPORTED, "only numbers in ASCII, one point after the other, are supported");
 }
 
 static xml_element begin_knots(xml_state *state, const XML_Char **attributes)
