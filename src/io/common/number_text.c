@@ -389,6 +389,14 @@ void text_append_real(text_buffer *text, const char *before, double value)
         text_advance(text, number_write(out, value));
 }
 
+void text_append_fixed(text_buffer *text, const char *before, int64_t units, int decimals)
+{
+    text_append_string(text, before);
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    if (out != NULL)
+        text_advance(text, number_write_fixed(out, units, decimals));
+}
+
 void text_append_number(text_buffer *text, double value, char after)
 {
     text_append_real(text, "", value);
@@ -411,9 +419,7 @@ void text_append_numbers(text_buffer *text, const char *before, const double *nu
 
 void text_append_count(text_buffer *text, size_t count, const char *after)
 {
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out != NULL)
-        text_advance(text, number_write_fixed(out, (int64_t)count, 0));
+    text_append_fixed(text, "", (int64_t)count, 0);
     text_append_string(text, after);
 }
 

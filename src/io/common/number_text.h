@@ -17,6 +17,8 @@ char *number_write_fixed(char *out, int64_t units, int decimals);
 
 /// Append a text, then a finite number.
 void text_append_real(text_buffer *text, const char *before, double value);
+/// Append a text, then `units` * 10^-decimals.
+void text_append_fixed(text_buffer *text, const char *before, int64_t units, int decimals);
 /// Append a finite number, then the character `after`.
 void text_append_number(text_buffer *text, double value, char after);
 /// Append a line: a text, then finite numbers with blanks between them.

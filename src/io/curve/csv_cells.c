@@ -201,9 +201,7 @@ static void write_between(const char *from, const char *to, double share, text_b
             continue;
         if (llabs(step) < FINE_STEP && llabs(first) < DOUBLE_UNITS)
             break;
-        char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-        if (out != NULL)
-            text_advance(text, number_write_fixed(out, first + llrint(share * (double)step), EXACT_TIME_DECIMALS - lost));
+        text_append_fixed(text, "", first + llrint(share * (double)step), EXACT_TIME_DECIMALS - lost);
         return;
     }
     if (csv_read_number(csv_text(from), ',', &a, &comma) != NULL || csv_read_number(csv_text(to), ',', &b, &comma) != NULL)

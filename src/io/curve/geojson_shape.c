@@ -198,37 +198,23 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
     return BAT_OK;
 }
 
-/// The most characters of a position without its further numbers: brackets, two numbers and a comma.
-static const size_t POSITION_TEXT_SIZE = 2 * (NUMBER_TEXT_SIZE + 1) + 2;
-
-static size_t position_size(const geojson_shape *shape)
-{
-    return POSITION_TEXT_SIZE + shape->value_count * (NUMBER_TEXT_SIZE + 1);
-}
-
-static char *write_values(char *out, const geojson_shape *shape, const globe_position *position)
+static void write_values(const geojson_shape *shape, const globe_position *position, text_buffer *text)
 {
     for (size_t k = 0; k < shape->value_count; k++)
-    {
-        *out++ = ',';
-        out = number_write(out, globe_position_value(position, k));
-    }
-    *out++ = ']';
-    return out;
+        text_append_real(text, ",", globe_position_value(position, k));
+    text_append_string(text, "]");
 }
 
-static char *write_position(char *out, const geojson_shape *shape, const geojson_style *style,
-                            const globe_position *position)
+static void write_position(const geojson_shape *shape, const geojson_style *style, const globe_position *position,
+                           text_buffer *text)
 {
-    *out++ = '[';
-    out = number_write_fixed(out, position->shown.longitude, style->decimals);
-    *out++ = ',';
-    out = number_write_fixed(out, position->shown.latitude, style->decimals);
-    return write_values(out, shape, position);
+    text_append_fixed(text, "[", position->shown.longitude, style->decimals);
+    text_append_fixed(text, ",", position->shown.latitude, style->decimals);
+    write_values(shape, position, text);
 }
 
-static char *write_curve_position(char *out, const geojson_shape *shape, const geojson_style *style,
-                                  const globe_curve *curve, size_t index, size_t before)
+static void write_curve_position(const geojson_shape *shape, const geojson_style *style, const globe_curve *curve,
+                                 size_t index, size_t before, text_buffer *text)
 {
     globe_position position = {.values = curve->values != NULL ? curve->values + index * curve->value_stride : NULL};
     if (style->globe)
@@ -238,17 +224,15 @@ static char *write_curve_position(char *out, const geojson_shape *shape, const g
         {
             globe_position turned = {.shown = {position.shown.longitude, curve->shown[before].latitude}};
             turned.values = curve->values != NULL ? curve->values + before * curve->value_stride : NULL;
-            out = write_position(out, shape, style, &turned);
-            *out++ = ',';
+            write_position(shape, style, &turned, text);
+            text_append_string(text, ",");
         }
-        return write_position(out, shape, style, &position);
+        write_position(shape, style, &position, text);
+        return;
     }
-    const double *point = curve->points + 2 * index;
-    *out++ = '[';
-    out = number_write(out, point[0]);
-    *out++ = ',';
-    out = number_write(out, point[1]);
-    return write_values(out, shape, &position);
+    text_append_real(text, "[", curve->points[2 * index]);
+    text_append_real(text, ",", curve->points[2 * index + 1]);
+    write_values(shape, &position, text);
 }
 
 static bool same_units(degree_units a, degree_units b)
@@ -269,11 +253,8 @@ static void write_curve(const geojson_shape *shape, const geojson_style *style, 
     {
         if (merges && i > 0 && i < end && same_units(shown[i], shown[i - 1]))
             continue;
-        char *out = text_reserve(text, 2 * position_size(shape) + 2);
-        if (out == NULL)
-            return;
-        *out++ = *separator;
-        text_advance(text, write_curve_position(out, shape, style, curve, i < end ? i : 0, i > 0 ? i - 1 : i));
+        text_append_string(text, separator);
+        write_curve_position(shape, style, curve, i < end ? i : 0, i > 0 ? i - 1 : i, text);
         separator = ",";
     }
     text_append_string(text, "]");
@@ -292,17 +273,14 @@ static void write_piece(const geojson_shape *shape, const geojson_style *style, 
         if (inside && same_units(position->shown, lines->positions[i - 1].shown))
             continue;
         text_append_string(text, separator);
-        char *out = text_reserve(text, 2 * position_size(shape));
-        if (out == NULL)
-            return;
         if (i > begin && geojson_turns_at_pole(style, lines->positions[i - 1].shown, position->shown))
         {
             globe_position turned = lines->positions[i - 1];
             turned.shown.longitude = position->shown.longitude;
-            out = write_position(out, shape, style, &turned);
-            *out++ = ',';
+            write_position(shape, style, &turned, text);
+            text_append_string(text, ",");
         }
-        text_advance(text, write_position(out, shape, style, position));
+        write_position(shape, style, position, text);
         separator = ",";
     }
     text_append_string(text, "]");

@@ -205,12 +205,10 @@ gpx_place gpx_place_of(const gpx_source *source, size_t curve, double place)
 void gpx_number_write(const gpx_column *column, double value, text_buffer *text)
 {
     static const double LARGE = 1e8;
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out == NULL)
-        return;
-    int64_t unit = number_power_of_ten(column->decimals);
-    text_advance(text, fabs(value) < LARGE ? number_write_fixed(out, llrint(value * (double)unit), column->decimals)
-                                           : number_write(out, value));
+    if (fabs(value) < LARGE)
+        text_append_fixed(text, "", llrint(value * (double)number_power_of_ten(column->decimals)), column->decimals);
+    else
+        text_append_real(text, "", value);
 }
 
 bool gpx_value_write(const gpx_source *source, size_t column, gpx_place place, text_buffer *text)

@@ -48,14 +48,6 @@ static void append_escaped(text_buffer *text, const char *begin, const char *end
     }
 }
 
-static void append_number(text_buffer *text, const char *before, int64_t units, int decimals)
-{
-    text_append_string(text, before);
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out != NULL)
-        text_advance(text, number_write_fixed(out, units, decimals));
-}
-
 /// Append `<trkpt lat="1" lon="2`, up to the last quote. False for a point that is not finite.
 static bool append_point(gpx_writer *writer, const char *name, size_t size, const double *point)
 {
@@ -72,8 +64,8 @@ static bool append_point(gpx_writer *writer, const char *name, size_t size, cons
         return true;
     }
     degree_units shown = degrees_of_point(point, degree_units_per_radian(writer->decimals));
-    append_number(text, " lat=\"", shown.latitude, writer->decimals);
-    append_number(text, "\" lon=\"", shown.longitude, writer->decimals);
+    text_append_fixed(text, " lat=\"", shown.latitude, writer->decimals);
+    text_append_fixed(text, "\" lon=\"", shown.longitude, writer->decimals);
     return true;
 }
 

@@ -1,8 +1,7 @@
 #include "curve/curve_attributes.h"
 #include "io/curve/builder.h"
 #include "io/curve/formats.h"
-
-#include <math.h>
+#include "linalg/vector.h"
 
 /// @file
 /// Wavefront OBJ for curves: `v` and `l` statements.
@@ -206,28 +205,16 @@ static bat_status format_vertices(const void *context BAT_UNUSED, const row_span
     for (size_t i = span->begin; i < span->end; i++)
     {
         const double *point = span->curve->points + i * dim;
-        char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 2);
-        if (out == NULL)
-            return BAT_OK; // the sink reports a lack of memory
-        *out++ = 'v';
-        for (size_t j = 0; j < 3; j++)
-        {
-            double coordinate = j < dim ? point[j] : 0.0;
-            if (!isfinite(coordinate))
-                return row_not_finite(span, i, error);
-            *out++ = ' ';
-            out = number_write(out, coordinate);
-        }
-        *out++ = '\n';
-        text_advance(text, out);
+        if (!vector_is_finite(dim, point))
+            return row_not_finite(span, i, error);
+        text_append_numbers(text, "v ", (double[]){point[0], point[1], dim > 2 ? point[2] : 0}, 3);
     }
     return BAT_OK;
 }
 
-static char *write_index(char *out, size_t index)
+static void append_index(text_buffer *text, size_t index)
 {
-    *out++ = ' ';
-    return number_write_fixed(out, (int64_t)index + 1, 0);
+    text_append_fixed(text, " ", (int64_t)index + 1, 0);
 }
 
 static bat_status format_elements(const void *context BAT_UNUSED, const row_span *span, text_buffer *text,
@@ -236,22 +223,12 @@ static bat_status format_elements(const void *context BAT_UNUSED, const row_span
     if (span->begin == 0)
         text_append_string(text, "l");
     for (size_t i = span->begin; i < span->end; i++)
-    {
-        char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-        if (out == NULL)
-            return BAT_OK;
-        text_advance(text, write_index(out, span->first_row + i));
-    }
-    if (span->end < span->curve->count)
-        return BAT_OK;
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out == NULL)
-        return BAT_OK;
-    if (span->curve->closed)
-        out = write_index(out, span->first_row);
-    *out++ = '\n';
-    text_advance(text, out);
-    return BAT_OK;
+        append_index(text, span->first_row + i);
+    if (span->end == span->curve->count && span->curve->closed)
+        append_index(text, span->first_row);
+    if (span->end == span->curve->count)
+        text_append_string(text, "\n");
+    return BAT_OK; // the sink reports a lack of memory
 }
 
 static bat_status check_curves(const bat_curve_set *set, bat_error *error)

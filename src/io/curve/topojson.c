@@ -467,18 +467,9 @@ static void append_positions(topology_writer *writer, const bat_curve *arc)
     const topology_point *points = (const topology_point *)arc->points;
     for (size_t k = 0; k < arc->count; k++)
     {
-        char *out = text_reserve(&writer->text, (MAX_NUMBERS + 1) * (NUMBER_TEXT_SIZE + 1));
-        if (out == NULL)
-            return;
         for (size_t i = 0; i < (size_t)points[k].count; i++)
-        {
-            *out++ = i > 0 ? ',' : k > 0 ? ',' : '[';
-            if (i == 0)
-                *out++ = '[';
-            out = number_write(out, points[k].numbers[i]);
-        }
-        *out++ = ']';
-        text_advance(&writer->text, out);
+            text_append_real(&writer->text, i > 0 ? "," : k > 0 ? ",[" : "[[", points[k].numbers[i]);
+        text_append_string(&writer->text, "]");
     }
     text_append_string(&writer->text, "]");
 }

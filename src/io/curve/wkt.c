@@ -153,11 +153,7 @@ static bat_status read_position(wkt_scanner *scan, wkt_form *form, text_buffer *
             return wkt_fault(scan, "a number is expected");
         if (count == MAX_NUMBERS)
             return wkt_fault(scan, "a position has at most 4 numbers");
-        char *out = text_reserve(geojson, NUMBER_TEXT_SIZE + 1);
-        if (out == NULL)
-            return error_memory(scan->error, geojson->size);
-        *out = ',';
-        text_advance(geojson, number_write(out + (count > 0), value));
+        text_append_real(geojson, count > 0 ? "," : "", value);
         if (count < 2)
             geojson_made_take(&scan->made, count, value);
         scan->at = end;

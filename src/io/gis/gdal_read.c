@@ -25,14 +25,10 @@ typedef struct layer_reader
 /// Write a number after a separator.
 static void write_number(text_buffer *text, const char *separator, double value)
 {
-    text_append_string(text, separator);
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out == NULL)
-        return;
     if (isfinite(value))
-        text_advance(text, number_write(out, value));
+        text_append_real(text, separator, value);
     else
-        text_append_string(text, "1e999"); // too large, as the reader of GeoJSON says
+        TEXT_APPEND(text, separator, "1e999"); // too large, as the reader of GeoJSON says
 }
 
 /// Write a string, which should be UTF-8; else it is taken as Latin-1.

@@ -24,8 +24,7 @@ static const char RELATIONS[] = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
 enum
 {
     MATERIALS_ID = 1,
-    FIRST_OBJECT_ID = 2,
-    LINE = 4 * (NUMBER_TEXT_SIZE + 8) ///< more bytes than an element with four numbers has
+    FIRST_OBJECT_ID = 2
 };
 
 /// The plan of a file.
@@ -85,18 +84,10 @@ static void put_text(text_buffer *out, const char *name, const char *text)
     text_append_string(out, "\"");
 }
 
-static char *put_string(char *out, const char *text)
+static void put_whole(text_buffer *out, const char *name, size_t value)
 {
-    size_t size = strlen(text);
-    memcpy(out, text, size);
-    return out + size;
-}
-
-static char *put_whole(char *out, const char *name, size_t value)
-{
-    out = number_write_fixed(put_string(out, name), (int64_t)value, 0);
-    *out++ = '"';
-    return out;
+    text_append_fixed(out, name, (int64_t)value, 0);
+    text_append_string(out, "\"");
 }
 
 // Materials
@@ -234,12 +225,9 @@ static void put_vertices(writer_3mf *writer, size_t object)
     size_t first = writer->vertices_until[object];
     for (size_t i = first; i < writer->vertices_until[object + 1]; i++)
     {
-        char *out = text_reserve(&writer->model, LINE);
-        if (out == NULL)
-            return;
         for (size_t k = 0; k < 3; k++)
-            out = number_write(put_string(out, NAMES[k]), writer->mesh->positions[3 * writer->vertices[i] + k]);
-        text_advance(&writer->model, put_string(out, "\"/>\n"));
+            text_append_real(&writer->model, NAMES[k], writer->mesh->positions[3 * writer->vertices[i] + k]);
+        text_append_string(&writer->model, "\"/>\n");
         writer->vertex_object[writer->vertices[i]] = (uint32_t)(i - first);
     }
 }
@@ -252,22 +240,15 @@ static void put_triangles(writer_3mf *writer, size_t object)
     {
         size_t face = writer->faces[i];
         uint32_t material = mesh->face_labels != NULL ? writer->material_of[mesh->face_labels[face]] : BAT_MESH_NONE;
-        char *out = text_reserve(&writer->model, LINE);
-        if (out == NULL)
-            return;
         for (size_t c = 0; c < 3; c++)
-            out = put_whole(out, NAMES[c], writer->vertex_object[mesh->faces[3 * face + c]]);
+            put_whole(&writer->model, NAMES[c], writer->vertex_object[mesh->faces[3 * face + c]]);
         if (material != BAT_MESH_NONE)
-            out = put_whole(put_whole(out, " pid=\"", MATERIALS_ID), " p1=\"", material);
-        text_advance(&writer->model, put_string(out, "/>\n"));
+        {
+            put_whole(&writer->model, " pid=\"", MATERIALS_ID);
+            put_whole(&writer->model, " p1=\"", material);
+        }
+        text_append_string(&writer->model, "/>\n");
     }
-}
-
-static void put_element(writer_3mf *writer, const char *begin, size_t number)
-{
-    char *out = text_reserve(&writer->model, LINE);
-    if (out != NULL)
-        text_advance(&writer->model, put_whole(out, begin, number));
 }
 
 static bat_status put_model(writer_3mf *writer, bat_error *error)
@@ -279,7 +260,7 @@ static bat_status put_model(writer_3mf *writer, bat_error *error)
     for (size_t i = 0; i < writer->object_count && status == BAT_OK; i++)
     {
         bool own = writer->object_count == writer->objects.count && writer->objects.labels[i].object != NULL;
-        put_element(writer, "<object type=\"model\" id=\"", FIRST_OBJECT_ID + i);
+        put_whole(model, "<object type=\"model\" id=\"", FIRST_OBJECT_ID + i);
         if (own)
             put_text(model, " name=\"", writer->objects.labels[i].object);
         text_append_string(model, ">\n<mesh>\n<vertices>\n");
@@ -291,7 +272,7 @@ static bat_status put_model(writer_3mf *writer, bat_error *error)
     text_append_string(model, "</resources>\n<build>\n");
     for (size_t i = 0; i < writer->object_count; i++)
     {
-        put_element(writer, "<item objectid=\"", FIRST_OBJECT_ID + i);
+        put_whole(model, "<item objectid=\"", FIRST_OBJECT_ID + i);
         text_append_string(model, "/>\n");
     }
     text_append_string(model, "</build>\n</model>\n");

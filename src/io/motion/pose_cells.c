@@ -31,23 +31,14 @@ bool pose_read_numbers(const file_text *source, const text_line *line, size_t co
 
 void pose_write_tum(pose_translation *work, const double *place, const double *quaternion)
 {
-    char *out;
-    double row[7] = {place[0], place[1], place[2], quaternion[1], quaternion[2], quaternion[3], quaternion[0]};
-    if ((out = text_reserve(&work->text, 7 * (NUMBER_TEXT_SIZE + 1) + 1)) == NULL)
-        return;
+    const double row[7] = {place[0], place[1], place[2], quaternion[1], quaternion[2], quaternion[3], quaternion[0]};
     for (int i = 0; i < 7; i++)
-    {
-        *out++ = ' ';
-        out = number_write(out, row[i]);
-    }
-    text_advance(&work->text, out);
+        text_append_real(&work->text, " ", row[i]);
 }
 
 void pose_write_row(pose_translation *work, double time, const double *place, const double *quaternion)
 {
-    char text[NUMBER_TEXT_SIZE + 1];
-    *number_write(text, time) = '\0';
-    text_append_string(&work->text, text);
+    text_append_real(&work->text, "", time);
     pose_write_tum(work, place, quaternion);
     text_append_string(&work->text, "\n");
 }

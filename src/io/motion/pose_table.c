@@ -146,7 +146,6 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
     csv_field fields[BAT_SPACE_MAX_DIM];
     size_t count;
     bool comma = false;
-    char *out;
     double numbers[ROLES] = {0};
     const char *fault = csv_split(work->source, line, work->separator, fields, &count);
     if (fault != NULL)
@@ -169,21 +168,16 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
     bool angles = has_angles(work);
     if (angles)
         turn_by_angles(work, numbers + ROLL, numbers + QW);
-    if ((out = text_reserve(&work->text, ROLES * (NUMBER_TEXT_SIZE + 1))) == NULL)
-        return BAT_OK; // told at the end
     bool first = timed == BAT_NO_INDEX;
     for (size_t i = X; i < ROLES; i++)
     {
         bool turned = angles && i >= QW && i <= QZ;
         if (OUTPUT_NAMES[i] == NULL || (work->columns[i] == BAT_NO_INDEX && !turned))
             continue;
-        if (!first)
-            *out++ = ',';
+        text_append_real(&work->text, first ? "" : ",", numbers[i] * scale_of((role)i, work->units[i]));
         first = false;
-        out = number_write(out, numbers[i] * scale_of((role)i, work->units[i]));
     }
-    text_advance(&work->text, out);
-    return BAT_OK;
+    return BAT_OK; // a lack of memory is told at the end
 }
 
 static void write_names(pose_translation *work)

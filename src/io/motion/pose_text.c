@@ -91,12 +91,7 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
         return ERROR_FILE(error, line->number, "%s", fault);
     pose_write_tum(work, numbers, numbers + 3);
     for (size_t i = TUM_NUMBERS; i < work->width; i++)
-    {
-        char number[NUMBER_TEXT_SIZE + 1];
-        *number_write(number, numbers[i - 1]) = '\0';
-        text_append_string(&work->text, " ");
-        text_append_string(&work->text, number);
-    }
+        text_append_real(&work->text, " ", numbers[i - 1]);
     return BAT_OK;
 }
 

@@ -327,10 +327,7 @@ bat_status surface_json_read(const file_text *text, bat_spline_surface *surface,
 /// JSON readers take "-0" for an integer, which loses the sign.
 static void append_number(text_buffer *text, double value)
 {
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE + 2);
-    if (out == NULL)
-        return;
-    text_advance(text, number_write(out, value));
+    text_append_real(text, "", value);
     if (value == 0 && signbit(value))
         text_append_string(text, ".0");
 }
