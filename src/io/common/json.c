@@ -83,13 +83,6 @@ static void append_real(text_buffer *text, double value)
     text_advance(text, end);
 }
 
-static void append_integer(text_buffer *text, json_int_t value)
-{
-    char digits[NUMBER_TEXT_SIZE];
-    int length = snprintf(digits, sizeof digits, "%" JSON_INTEGER_FORMAT, value);
-    text_append(text, digits, (size_t)length);
-}
-
 void json_text(text_buffer *text, const json_t *value)
 {
     json_type type = json_typeof(value);
@@ -100,7 +93,7 @@ void json_text(text_buffer *text, const json_t *value)
     else if (type == JSON_STRING)
         json_text_string(text, json_string_value(value), json_string_length(value));
     else if (type == JSON_INTEGER)
-        append_integer(text, json_integer_value(value));
+        text_append_format(text, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
     else if (type == JSON_REAL)
         append_real(text, json_real_value(value));
     else

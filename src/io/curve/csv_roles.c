@@ -442,10 +442,8 @@ static bool keep_choice(csv_reader *reader)
     size_t altitude = reader->choice.altitude;
     for (size_t i = 0; i < reader->choice.count + (altitude != BAT_NO_INDEX ? 1 : 0); i++)
     {
-        char number[32];
         size_t column = i < reader->choice.count ? reader->choice.columns[i] : altitude;
-        (void)snprintf(number, sizeof number, "%s%zu", i > 0 ? "," : "", csv_column_number(reader, column));
-        text_append_string(&text, number);
+        text_append_format(&text, "%s%zu", i > 0 ? "," : "", csv_column_number(reader, column));
     }
     text_append(&text, "", 1);
     if (!text.failed)

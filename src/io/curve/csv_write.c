@@ -194,12 +194,8 @@ static void write_column_list(const csv_layout *layout, text_buffer *text)
     const csv_columns *columns = layout->columns;
     for (size_t i = 0; i < layout->coordinate_count && columns->chosen == NULL; i++)
         for (size_t j = 0; j < columns->count; j++)
-        {
-            char number[32];
-            (void)snprintf(number, sizeof number, "%s%zu", i > 0 ? "," : "", j + 1 + (j >= columns->corner ? 1 : 0));
             if (columns->places[j] == i)
-                text_append_string(text, number);
-        }
+                text_append_format(text, "%s%zu", i > 0 ? "," : "", j + 1 + (j >= columns->corner ? 1 : 0));
     if (columns->chosen != NULL)
         text_append_string(text, columns->chosen);
 }

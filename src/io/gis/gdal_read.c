@@ -228,9 +228,7 @@ static void write_real(layer_reader *reader, double value)
 
 static void write_integer(layer_reader *reader, long long value)
 {
-    char text[32];
-    (void)snprintf(text, sizeof text, "%lld", value);
-    text_append_string(&reader->text, text);
+    text_append_format(&reader->text, "%lld", value);
 }
 
 static void write_list(layer_reader *reader, OGRFeatureH feature, int field, OGRFieldType type)

@@ -210,17 +210,6 @@ static size_t place_of(const bat_cloud *cloud, size_t point)
     return cloud->order == NULL ? point : cloud->order[point];
 }
 
-static void append_row(text_buffer *text, const double *row)
-{
-    if (isnan(row[0]))
-    {
-        text_append_string(text, "nan nan\n");
-        return;
-    }
-    text_append_number(text, row[0], ' ');
-    text_append_number(text, row[1], '\n');
-}
-
 bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, const double *parameters, bat_error *error)
 {
     size_t count = input_count(cloud);
@@ -233,7 +222,7 @@ bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, 
         memcpy(rows + 2 * place_of(cloud, i), parameters + 2 * i, 2 * sizeof *rows);
     text_buffer text = {0};
     for (size_t i = 0; i < count; i++)
-        append_row(&text, rows + 2 * i);
+        text_append_numbers(&text, "", rows + 2 * i, 2); // "nan nan" for a point without
     free(rows);
     bat_status status = text.failed ? error_memory(error, text.size) : atomic_file_write(path, text.data, text.size, error);
     text_free(&text);
