@@ -555,6 +555,43 @@ static void headings_may_turn_in_a_period(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Positions in logs of PX4 have microseconds, and velocities a second.
+static void positions_of_px4_have_microseconds(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read_motion("timestamp,ref_timestamp,x,y,z,vx,vy,vz,heading\n123456789,0,0,0,0,1,0,0,0\n"
+                                         "123556789,0,0.1,0,0,1,0,0,0\n123756789,0,0.3,0,0,1,0,0,0\n",
+                                         BAT_TIME_UNIT_AUTO),
+                  fine;
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.scheme.levels = 1;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, NULL), BAT_OK);
+    for (size_t i = 0; i < 5; i++)
+        assert_true(fabs(fine.curves[0].points[3 * i] - (i < 2 ? 0.05 * (double)i : 0.1 * (double)(i - 1))) < 1e-9);
+    bat_curve_set_free(&fine);
+    bat_curve_set_free(&set);
+}
+
+/// Rows of KITTI may be whole matrices, whose last row is 0 0 0 1.
+static void whole_matrices_are_poses(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"1 0 0 1 0 1 0 2 0 0 1 3 0 0 0 1\n0 -1 0 1 1 0 0 2 0 0 1 4 0 0 0 1\n",
+                                        "1 0 0 1 0 1 0 2 0 0 1 3 0 0 0 2\n0 -1 0 1 1 0 0 2 0 0 1 4 0 0 0 1\n"};
+    bat_curve_read_options options = bat_curve_read_defaults();
+    options.format = BAT_CURVE_FORMAT_KITTI;
+    options.motion = true;
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_curve_set set = {0};
+        bat_error error;
+        bat_status status = bat_curve_read_memory(texts[i], strlen(texts[i]), &options, &set, &error);
+        assert_int_equal(status, i == 0 ? BAT_OK : BAT_BAD_FILE);
+        assert_true(i == 0 ? set.curves[0].points[7 + 2] == 4 : error.line == 1);
+        bat_curve_set_free(&set);
+    }
+}
+
 /// Tensors that are nearly singular are told.
 static void flat_tensors_are_told(void **state)
 {
@@ -641,6 +678,8 @@ int main(void)
         cmocka_unit_test(headings_may_turn_in_a_period),
         cmocka_unit_test(numbers_have_velocities),
         cmocka_unit_test(flat_tensors_are_told),
+        cmocka_unit_test(whole_matrices_are_poses),
+        cmocka_unit_test(positions_of_px4_have_microseconds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -359,6 +359,9 @@ static void keep_columns(const csv_reader *reader, const column_names *names, bo
         kept[i] = reads_as_number(reader, reader->fields[i]);
 }
 
+/// Decimals of seconds that times in logs of PX4 have, which have a column ref_timestamp.
+static const int MICROSECONDS = 6;
+
 bool csv_leave_columns(csv_reader *reader)
 {
     csv_columns *columns = reader->attributes->csv;
@@ -369,6 +372,8 @@ bool csv_leave_columns(csv_reader *reader)
     if (columns->names == NULL || reader->tum)
         return true;
     columns->time = time = column_find_time(&names, &reader->time_decimals);
+    bool px4 = time != BAT_NO_INDEX && reader->time_decimals < 0 && column_find(&names, "ref_timestamp") != BAT_NO_INDEX;
+    reader->time_decimals = px4 ? MICROSECONDS : reader->time_decimals;
     bool named = reader->options->columns != NULL || reader->options->group != NULL || reader->options->space != NULL;
     if (time == BAT_NO_INDEX || named || reader->space_name[0] != '\0' || reader->column_list[0] != '\0')
         return true;
@@ -389,6 +394,7 @@ bool csv_leave_columns(csv_reader *reader)
     bool good = csv_columns_name(columns, kept_names, count);
     names = (column_names){columns->names, count};
     columns->time = column_find_time(&names, &reader->time_decimals);
+    reader->time_decimals = px4 ? MICROSECONDS : reader->time_decimals;
     return good;
 }
 

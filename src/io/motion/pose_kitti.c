@@ -42,10 +42,15 @@ static bat_status read_key_times(const pose_translation *work, double **times, s
 static bat_status translate_matrix(pose_translation *work, const text_line *line, const double *times, size_t time_count,
                                    size_t row, double *worst, size_t *worst_line, bat_error *error)
 {
-    double numbers[KITTI_NUMBERS], quaternion[4];
+    double numbers[KITTI_NUMBERS + 4], quaternion[4];
+    const double *last = numbers + KITTI_NUMBERS;
     char separator;
-    if (!pose_read_numbers(work->source, line, KITTI_NUMBERS, numbers, &separator))
-        return ERROR_FILE(error, line->number, "a row of KITTI poses has 12 numbers, a matrix of 3 rows and 4 columns");
+    bool whole = pose_read_numbers(work->source, line, KITTI_NUMBERS + 4, numbers, &separator) && last[0] == 0 &&
+                 last[1] == 0 && last[2] == 0 && last[3] == 1;
+    if (!whole && !pose_read_numbers(work->source, line, KITTI_NUMBERS, numbers, &separator))
+        return ERROR_FILE(
+            error, line->number,
+            "a row of KITTI poses has 12 numbers, a matrix of 3 rows and 4 columns, or 16 that end in 0 0 0 1");
     double deviation = pose_matrix_deviation(numbers, quaternion);
     if (!(deviation <= POSE_MATRIX_TOLERANCE) && !(work->options->project && deviation < INFINITY))
     {
