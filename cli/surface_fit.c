@@ -305,11 +305,11 @@ static json_t *report_candidates(const surface_findings *findings, const char *r
 /// What a shape's place is, and its axis.
 static const struct
 {
-    const char *name, *axis, *place;
-} SHAPES[] = {[BAT_SURFACE_PRIMITIVE_PLANE] = {"plane", "normal", "through"},
-              [BAT_SURFACE_PRIMITIVE_SPHERE] = {"sphere", "", "centre"},
-              [BAT_SURFACE_PRIMITIVE_CYLINDER] = {"cylinder", "axis", "through"},
-              [BAT_SURFACE_PRIMITIVE_CONE] = {"cone", "axis", "apex"}};
+    const char *axis, *place;
+} SHAPES[] = {[BAT_SURFACE_PRIMITIVE_PLANE] = {"normal", "through"},
+              [BAT_SURFACE_PRIMITIVE_SPHERE] = {"", "centre"},
+              [BAT_SURFACE_PRIMITIVE_CYLINDER] = {"axis", "through"},
+              [BAT_SURFACE_PRIMITIVE_CONE] = {"axis", "apex"}};
 
 json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, bool as_json)
 {
@@ -328,11 +328,11 @@ json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, 
         "kind:s -sphere:b -line:s -where:s -x:n -y:n -z:n -i:n -j:n -k:n place:o axis:o? radius:n? radius_deviation:n? "
         "angle:n? angle_deviation:n? place_deviation:n? axis_deviation:n? -degrees:n -degrees_deviation:n -tilt:n rms:n "
         "largest:n pattern:n",
-        SHAPES[shape.kind].name, (int)sphere, SHAPES[shape.kind].axis, SHAPES[shape.kind].place, at[0], at[1], at[2],
-        axis[0], axis[1], axis[2], report_numbers(at, 3), sphere ? json_null() : report_numbers(axis, 3), shape.radius,
-        shape.radius_deviation, shape.angle, shape.angle_deviation, shape.place_deviation, shape.axis_deviation,
-        shape.angle / DEGREE, shape.angle_deviation / DEGREE, shape.axis_deviation / DEGREE, shape.rms, shape.largest,
-        shape.pattern);
+        bat_choice_name(&bat_surface_primitive_kind_family, (int)shape.kind), (int)sphere, SHAPES[shape.kind].axis,
+        SHAPES[shape.kind].place, at[0], at[1], at[2], axis[0], axis[1], axis[2], report_numbers(at, 3),
+        sphere ? json_null() : report_numbers(axis, 3), shape.radius, shape.radius_deviation, shape.angle,
+        shape.angle_deviation, shape.place_deviation, shape.axis_deviation, shape.angle / DEGREE,
+        shape.angle_deviation / DEGREE, shape.axis_deviation / DEGREE, shape.rms, shape.largest, shape.pattern);
 }
 
 /// The notes of reading, and one on a noise that was told and contradicts the points.

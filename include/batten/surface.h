@@ -204,6 +204,9 @@ typedef enum bat_surface_primitive_kind
     BAT_SURFACE_PRIMITIVE_CONE
 } bat_surface_primitive_kind;
 
+/// The simple shapes by name.
+extern BAT_API const bat_family bat_surface_primitive_kind_family;
+
 /// A simple shape of least squared distance from points. Deviations are standard ones, for independent noise.
 typedef struct bat_surface_primitive
 {

@@ -23,7 +23,8 @@ class Surface:
     ----------
     report : Report
         `rounds` of the fit, `reached`, `chosen` parameterization, `candidates`, `held_out_rms` (of points that were held
-        out), `noise`, `below_noise`, the `verdict` with its `fault`, and more.
+        out), `noise`, `below_noise`, the `verdict` with its `fault`, the `primitive` that the points lie on (its `kind` is
+        ``"none"``, or ``"cylinder"``, with `radius`, `axis` and more), and others.
     points, parameters, distances : ndarray
         The fitted points, the parameters of each and its distance from the surface, in the order of the input.
     control : ndarray
@@ -318,7 +319,11 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
     result = ffi.new("bat_surface_result *")
     with shown(progress, "fitting"):
         call(lib.bat_surface_reconstruct, cloud, how, result)
-    return _surface(result, _order(cloud), given)
+    primitive = ffi.new("bat_surface_primitive *")
+    call(lib.bat_surface_find_primitive, cloud, result, primitive)
+    surface = _surface(result, _order(cloud), given)
+    surface.report["primitive"] = report(primitive)
+    return surface
 
 
 def cloud_noise(points: ArrayLike) -> float:

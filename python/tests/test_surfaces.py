@@ -117,3 +117,14 @@ def test_shells_refuse(torus):
     with pytest.raises(batten.BattenError) as caught:
         batten.fit_surface(torus, shell=False)
     assert caught.value.remedy == "shell"
+
+
+def test_simple_shapes_are_told(random):
+    """Points on a cylinder tell its radius and its axis; those beside it tell none."""
+    angle, height = random.uniform(0, 2, 1500), random.uniform(0, 20, 1500)
+    for bulge in (0, 1):
+        radius = 12 + bulge * np.sin(height / 5) + random.normal(0, 0.02, 1500)
+        points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+        primitive = batten.fit_surface(points, trim=True).report.primitive
+        assert primitive.kind == ("none" if bulge else "cylinder")
+        assert bulge or (abs(primitive.radius - 12) < 0.02 and abs(primitive.axis[2]) > 0.9999)

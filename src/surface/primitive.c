@@ -1,5 +1,6 @@
 #include "batten/surface.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/symmetric.h"
@@ -13,6 +14,15 @@
 /// algorithms of the NIST algorithm testing system", 1998). All but spheres are cones, in a frame whose last axis is that of
 /// the cone: a point at height z and at rho from the axis has the distance (rho - radius) cos(angle) - z sin(angle). The
 /// angle of a cylinder is 0, that of a plane a right one. Coordinates are in a unit_frame.
+
+static const bat_choice KINDS[] = {
+    CHOICE("none", "no simple shape", BAT_SURFACE_PRIMITIVE_NONE),
+    CHOICE("plane", "a normal and a place", BAT_SURFACE_PRIMITIVE_PLANE),
+    CHOICE("sphere", "a centre and a radius", BAT_SURFACE_PRIMITIVE_SPHERE),
+    CHOICE("cylinder", "an axis and a radius", BAT_SURFACE_PRIMITIVE_CYLINDER),
+    CHOICE("cone", "an axis from an apex, and an angle", BAT_SURFACE_PRIMITIVE_CONE),
+};
+const bat_family bat_surface_primitive_kind_family = FAMILY("simple shape", KINDS);
 
 #define PARAMETERS 7 ///< three shifts along the frame, two tilts, radius, angle
 
