@@ -37,7 +37,7 @@ struct mesh_paints
     const char *path;
     size_t count;
     paint *paints;       ///< one for each label, at least one
-    paint_image *images; ///< as many, of which the first `image_count` are read
+    paint_image *images; ///< image_count
     size_t image_count;
     size_t places[3];            ///< of the colours among the channels
     bool colours;                ///< the vertices have some
@@ -164,7 +164,17 @@ static bat_status find_image(mesh_paints *paints, const char *uri, size_t *numbe
     bat_error own = {0};
     bat_status status = bat_mesh_image_read(uri, paints->path, &made.pixels, &own);
     if (status == BAT_OK)
-        paints->images[paints->image_count++] = made;
+    {
+        paint_image *images = realloc(paints->images, (paints->image_count + 1) * sizeof *images);
+        if (images == NULL)
+        {
+            free(made.pixels.pixels);
+            free(made.name);
+            return no_memory(error);
+        }
+        paints->images = images;
+        images[paints->image_count++] = made;
+    }
     else
     {
         (void)fail(error, status, "%.220s; without color --bake does not need it", own.text);
@@ -287,7 +297,7 @@ static bool take_number(char **line, double *value)
 {
     char *end;
     double number = strtod(*line, &end);
-    if (end == *line || !isfinite(number))
+    if (end == *line || !isfinite(number) || (*end != '\0' && strchr(" \t", *end) == NULL)) // as in 1.png
         return false;
     *value = number;
     *line = end + strspn(end, " \t");
@@ -322,7 +332,9 @@ static bat_status read_statement(mesh_paints *paints, char *line, paint *made, b
 {
     if (take_word(&line, "Kd") && made->image == SIZE_MAX && !made->vertices)
         for (size_t k = 0; k < 3; k++)
-            made->factor[k] = take_number(&line, &made->factor[k]) ? decode(made->factor[k]) : 1;
+            made->factor[k] = take_number(&line, &made->factor[k]) ? decode(made->factor[k])
+                              : k > 0                              ? made->factor[k - 1]
+                                                                   : 1;
     if (paints->mesh->texture_faces == NULL || !take_word(&line, "map_Kd"))
         return BAT_OK;
     *made = (paint){.factor = {1, 1, 1}, .scale = {1, 1}};
@@ -401,7 +413,7 @@ static bat_status fill(mesh_paints *paints, const json_t *root, bat_error *error
 /// Whether there is more than the vertices' colours.
 static bool has_materials(const mesh_paints *paints)
 {
-    bool any = false;
+    bool any = paints->linear && paints->colours; // which are linear light
     for (size_t i = 0; i < paints->count; i++)
         for (size_t k = 0; k < 3; k++)
             any = any || paints->paints[i].image != SIZE_MAX || paints->paints[i].factor[k] != 1;
@@ -417,9 +429,8 @@ bat_status mesh_paints_read(const bat_mesh *mesh, const char *path, size_t size,
         return no_memory(error);
     *paints = (mesh_paints){.mesh = mesh, .path = path, .count = count};
     paints->paints = calloc(count, sizeof *paints->paints);
-    paints->images = calloc(count, sizeof *paints->images);
     json_t *root = mesh->material_json != NULL ? json_loads(mesh->material_json, 0, NULL) : NULL;
-    bool room = paints->paints != NULL && paints->images != NULL && (mesh->material_json == NULL || root != NULL);
+    bool room = paints->paints != NULL && (mesh->material_json == NULL || root != NULL);
     bat_status status = room ? fill(paints, root, error) : no_memory(error);
     json_decref(root);
     if (status == BAT_OK && !halve_large(paints, size))

@@ -73,6 +73,8 @@ static void test_refused(void **state)
     assert_true(bat_mesh_image_read(PNG "AAAA", NULL, &image, &error) != BAT_OK);
     assert_non_null(strstr(error.text, "; save it as PNG"));
     assert_int_equal(bat_mesh_image_read(PNG "?", NULL, &image, NULL), BAT_BAD_FILE);
+    assert_int_equal(bat_mesh_image_read(PNG "iVBORw0KGgoAAAANSUhEUgABhqAAAYagCAIAAAAAAA==", NULL, &image, &error),
+                     BAT_TOO_LARGE); // 100,000 squared
     assert_int_equal(bat_mesh_image_read("../image.png", "mesh.obj", &image, NULL), BAT_BAD_FILE);
     assert_int_equal(bat_mesh_image_read("image.png", NULL, &image, NULL), BAT_BAD_FILE);
     assert_int_equal(bat_mesh_image_read("no/such.png", "mesh.obj", &image, &error), BAT_FILE_ACCESS);

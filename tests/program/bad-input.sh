@@ -406,6 +406,8 @@ printf 'newmtl skin\nmap_Kd lost.in.png\n' > lost.in.mtl
 refused 1 "file 'lost.in.png': .*without color" decimate lost.in.obj -o out.csv --to obj --faces 1 --bake color
 printf 'no image' > lost.in.png
 refused 1 "'lost.in.png' is not read: .*save it as PNG" decimate lost.in.obj -o out.csv --to obj --faces 1 --bake color
+printf 'newmtl skin\nmap_Kd -s 2 2 0001.png\n' > lost.in.mtl
+refused 1 "file '0001.png'" decimate lost.in.obj -o out.csv --to obj --faces 1 --bake color
 rm lost.in.mtl lost.in.png
 refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' decimate fins.in.obj --strict -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map

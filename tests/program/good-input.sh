@@ -307,6 +307,13 @@ check "the report tells how far they are" json decimate.json '"normal_turn": [0-
 "$batten" decimate wall.gltf -o again.gltf --faces 2 --bake normal --size 32 > notes.txt
 check "a note tells that an atlas costs a material its images" grep -q '^note: images of materials are left out but for baked ones: an atlas' notes.txt
 check "the material keeps its name" grep -q '"name":"wall"' again.gltf
+printf 'mtllib skin.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n' > skin.obj
+for i in 1 2 3 4 5 6; do
+    cp normal.png skin$i.png
+    printf 'newmtl skin\nmap_Kd skin%s.png\n' $i
+done > skin.mtl
+"$batten" decimate skin.obj -o skin.glb --faces 1 --bake color=skin.png --size 16 > notes.txt
+check "of a material that is told several times the last image counts" test -s skin.png
 "$batten" decimate torus.obj -o chain.gltf --lods 1,0.5,0.25 > /dev/null
 check "levels of detail are in one file" grep -q '"MSFT_lod":{"ids":\[1,2\]}' chain.gltf
 {

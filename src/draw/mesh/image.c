@@ -46,6 +46,15 @@ static cairo_status_t take(void *from, unsigned char *bytes, unsigned size)
     return CAIRO_STATUS_SUCCESS;
 }
 
+/// Whether the header of PNG names more pixels than are read.
+static bool is_too_large(gltf_buffer png)
+{
+    double sides[2] = {0};
+    for (size_t i = 0; i < 8 && png.size >= 24; i++)
+        sides[i / 4] = 256 * sides[i / 4] + png.bytes[16 + i];
+    return png.size >= 24 && memcmp(png.bytes + 1, "PNG", 3) == 0 && sides[0] * sides[1] > IMAGE_MAX_PIXELS;
+}
+
 /// Decode PNG. Returns whether nothing is lost, as colours of transparent pixels are. No pixels: it cannot be decoded.
 static bool decode_png(gltf_buffer bytes, bat_mesh_image *image)
 {
@@ -77,7 +86,10 @@ bat_status bat_mesh_image_read(const char *uri, const char *mesh, bat_mesh_image
     bat_status status = gltf_bytes_read(mesh, uri, (gltf_place){"an image", SIZE_MAX}, &bytes, error);
     if (status != BAT_OK)
         return status;
-    if (!decode_png(bytes, &made) && gis_image_read(bytes.bytes, bytes.size, &made, &own) != BAT_OK && made.pixels == NULL)
+    if (is_too_large(bytes))
+        status = ERROR_TOO_LARGE(&own, "its pixels are more than %d", IMAGE_MAX_PIXELS);
+    else if (!decode_png(bytes, &made) && gis_image_read(bytes.bytes, bytes.size, &made, &own) != BAT_OK &&
+             made.pixels == NULL)
         status = own.status;
     free(bytes.owned);
     if (status != BAT_OK)

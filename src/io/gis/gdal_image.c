@@ -13,6 +13,8 @@ static bat_status read_pixels(GDALDatasetH set, const gdal_messages *messages, b
     GDALRasterBandH first = bands > 0 ? gdal.GDALGetRasterBand(set, 1) : NULL;
     if (first == NULL || gdal.GDALGetRasterDataType(first) != GDT_Byte || gdal.GDALGetRasterColorTable(first) != NULL)
         return ERROR_UNSUPPORTED(error, 0, "it has not 8 bits a channel, or a palette");
+    if ((double)width * (double)height > IMAGE_MAX_PIXELS)
+        return ERROR_TOO_LARGE(error, "its %d x %d pixels are more than %d", width, height, IMAGE_MAX_PIXELS);
     bat_mesh_image made = {memory_array((size_t)width * (size_t)height, 3), (size_t)width, (size_t)height};
     if (made.pixels == NULL)
         return error_memory(error, 3 * (size_t)width * (size_t)height);

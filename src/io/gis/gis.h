@@ -56,5 +56,8 @@ typedef enum gis_target
 bat_status gis_transform(const bat_curve_set *set, const char *crs, gis_target target, bat_curve_set *result,
                          bat_error *error);
 
+/// The most pixels of images that are read: 16384 x 16384.
+#define IMAGE_MAX_PIXELS (1 << 28)
+
 /// Decode a JPEG, PNG, WebP, TIFF or BMP of 8 bits a channel without a palette, in place of the pixels that there are.
 bat_status gis_image_read(const void *bytes, size_t size, bat_mesh_image *image, bat_error *error);
