@@ -386,7 +386,8 @@ static void mix_weights(noise_search *search)
     smoother *s = &search->s;
     const size_t n = s->fit.dim;
     double numbers = (double)((s->count - 2) * n), best = -INFINITY, likely = 0, total = 0;
-    for (double weight = search->weight; weight < LAST_WEIGHT && !(likely < best - UNLIKELY); weight *= sqrt(FACTOR))
+    for (double weight = search->weight; (weight <= search->weight || weight < LAST_WEIGHT) && !(likely < best - UNLIKELY);
+         weight *= sqrt(FACTOR))
     {
         if (smoother_fit(s, weight, NEAR, NULL) != BAT_OK)
         {

@@ -167,6 +167,37 @@ static void unknown_noise_is_covered(void **state)
     assert_in_range(covered, 0.85 * FEW * CURVES, 0.99 * FEW * CURVES);
 }
 
+/// Straight motions have weights at the end of the range. The noise falls as a line's, to about 1 / sqrt(keys) of it.
+static void straight_motions_have_deviations(void **state)
+{
+    enum
+    {
+        MANY = 200
+    };
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    for (uint64_t seed = 0; seed < 12; seed++)
+    {
+        double times[MANY], points[2 * MANY], deviations[2 * MANY];
+        bat_random random = bat_random_seed(seed);
+        for (size_t i = 0; i < MANY; i++)
+        {
+            times[i] = (double)i;
+            points[2 * i] = 0.1 * (double)i + 0.1 * bat_random_normal(&random);
+            points[2 * i + 1] = 0.02 * (double)i + 0.1 * bat_random_normal(&random);
+        }
+        bat_hermite_curve keys = {.space = &plane, .points = points, .times = times, .count = MANY};
+        bat_motion_spline_options options =
+            smoothing(BAT_MOTION_SIGMA_AUTO, 0, seed % 2 == 0 ? BAT_MOTION_OUTLIERS_NONE : BAT_MOTION_OUTLIERS_HUBER);
+        bat_motion_spline *spline;
+        check_status(bat_motion_spline_make(&keys, &options, &spline, NULL), BAT_OK);
+        check_status(bat_motion_spline_uncertainty(spline, times, MANY, deviations, NULL), BAT_OK);
+        for (size_t i = 0; i < 2 * MANY; i++)
+            assert_true(deviations[i] > 0.003 && deviations[i] < 0.09);
+        bat_motion_spline_free(spline);
+    }
+}
+
 static void sigma_0_interpolates(void **state)
 {
     (void)state;
@@ -377,6 +408,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_falls),
         cmocka_unit_test(unknown_noise_is_covered),
+        cmocka_unit_test(straight_motions_have_deviations),
         cmocka_unit_test(sigma_0_interpolates),
         cmocka_unit_test(constant_velocity_stays),
         cmocka_unit_test(gaps_of_random_times_stay_smooth),
