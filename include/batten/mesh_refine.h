@@ -36,8 +36,9 @@ typedef enum bat_mesh_scheme
 
 /// The scheme that BAT_MESH_SCHEME_AUTO stands for: Catmull and Clark's where more than half of the faces have four or more
 /// corners, as quads that a modeller drew have; else Loop's for a mesh that has creases or corners with a sharpness above 0,
-/// or fewer than BAT_MESH_CAGE_FACES faces and is no solid; else the learned one. docs/results/meshes.md tells why. As
-/// solids go cones, with a pole of eight faces or more, an eighth of all. BAT_MESH_SCHEME_AUTO itself where memory runs out.
+/// or fewer than BAT_MESH_CAGE_FACES faces and is no solid; else the learned one. docs/results/meshes.md tells why.
+/// Cones, with a pole of eight faces or more and an eighth of all, count as solids. BAT_MESH_SCHEME_AUTO itself where memory
+/// runs out.
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
 
 /// Find whether most of a mesh of triangles without creases and corners is a solid: connected pieces whose faces meet at

@@ -59,6 +59,10 @@ static const struct
     ROW(bat_surface_smoothing),
     ROW(bat_surface_format),
     ROW(bat_surface_unit),
+    ROW(bat_surface_fault),
+    ROW(bat_surface_doubt),
+    ROW(bat_surface_primitive_kind),
+    ROW(bat_surface_view),
 };
 
 enum
