@@ -391,6 +391,8 @@ static bat_status write_row(table_writer *writer, const json_t *feature, bat_err
     const char *name;
     json_t *unused;
     size_t column = 0;
+    if (writer->text.failed || writer->geometry.failed)
+        return error_memory(error, writer->geometry.size);
     writer->text.size = 0;
     json_object_foreach(writer->names, name, unused)
     {
@@ -421,7 +423,7 @@ static bat_status take_feature(void *context, size_t index BAT_UNUSED, const jso
         text_append(wkt, writer->srid.data, writer->srid.size);
         wkt_append_geometry(geometry, writer->measures, wkt);
     }
-    return wkt->failed ? error_memory(error, wkt->size) : write_row(writer, feature, error);
+    return write_row(writer, feature, error);
 }
 
 bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
