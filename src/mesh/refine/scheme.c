@@ -60,10 +60,12 @@ bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
         if (bat_mesh_is_solid(mesh, &solid, NULL) != BAT_OK)
             return BAT_MESH_SCHEME_AUTO;
         cage = !solid; // and has no pole: a vertex of many faces
-        for (size_t i = 0, around = 0, corners = 3 * mesh->face_count; i < corners * corners && mesh->offsets == NULL; i++)
+        for (size_t i = 0; i < 3 * mesh->face_count && mesh->offsets == NULL && cage; i++)
         {
-            around = (i % corners > 0 ? around : 0) + (mesh->faces[i / corners] == mesh->faces[i % corners]);
-            cage = cage && (around < 8 || 8 * around < mesh->face_count);
+            size_t around = 0;
+            for (size_t j = 0; j < 3 * mesh->face_count; j++)
+                around += mesh->faces[j] == mesh->faces[i];
+            cage = around < 8 || 8 * around < mesh->face_count;
         }
     }
     return cage ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
