@@ -226,9 +226,7 @@ void angle_block_store(const angle_block *block, const double *points, size_t di
 double kernel_scale(const double *points, size_t count, size_t dim)
 {
     static const int MAX_EXPONENT = 1000;
-    double largest = 0;
-    for (size_t i = 0; i < count * dim; i++)
-        largest = fmax(largest, fabs(points[i]));
+    double largest = vector_largest(count * dim, points);
     int exponent = largest > 0 && isfinite(largest) ? -ilogb(largest) : 0;
     exponent = exponent > MAX_EXPONENT ? MAX_EXPONENT : exponent < -MAX_EXPONENT ? -MAX_EXPONENT : exponent;
     return ldexp(1, exponent);

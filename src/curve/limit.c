@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "curve/mask.h"
 #include "linalg/dense.h"
+#include "linalg/vector.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file
@@ -120,9 +120,7 @@ void limit_matrix(const bat_mask *mask, double *matrix)
 /// Set weights at rounding level to zero and leave out those at the ends.
 static void clean_stencil(bat_mask_stencil *stencil, double rounding)
 {
-    double largest = 0.0;
-    for (size_t k = 0; k < stencil->count; k++)
-        largest = fmax(largest, fabs(stencil->weights[k]));
+    double largest = vector_largest(stencil->count, stencil->weights);
     const double tolerance = rounding * DBL_EPSILON * (double)stencil->count * largest;
     size_t begin = stencil->count;
     size_t end = 0;
@@ -284,8 +282,7 @@ bool iterated_mask_step(iterated_mask *iterated)
     {
         const double factor = iterated->mask->coefficients[k];
         double *target = iterated->next + k * iterated->arity;
-        for (size_t i = 0; i < iterated->count; i++)
-            target[i] += factor * iterated->coefficients[i];
+        vector_add(iterated->count, factor, iterated->coefficients, target);
     }
     SWAP(iterated->coefficients, iterated->next);
     iterated->count = count;

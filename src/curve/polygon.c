@@ -21,8 +21,7 @@ static bat_status reflect(const bat_space *space, const double *centre, const do
     }
     if (status != BAT_OK)
         return status;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        tangent[i] = -tangent[i];
+    vector_scale(space->tangent_dim, -1, tangent);
     return space->exp(space, centre, tangent, image);
 }
 
@@ -38,19 +37,15 @@ static bat_status mirror(const bat_space *space, const double *p, const double *
     if (status != BAT_OK)
         return status;
     double factor = 2 * space->inner(space, middle, tangent, edge) / space->inner(space, middle, edge, edge);
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        tangent[i] -= factor * edge[i];
+    vector_add(space->tangent_dim, -factor, edge, tangent);
     return space->exp(space, middle, tangent, image);
 }
 
 /// A tangent vector at p brought to length 1; by a power of two first, so that its square stays in range.
 static void make_unit(const bat_space *space, const double *p, double *tangent)
 {
-    double largest = 0;
     int exponent;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        largest = fmax(largest, fabs(tangent[i]));
-    (void)frexp(largest, &exponent);
+    (void)frexp(vector_largest(space->tangent_dim, tangent), &exponent);
     for (size_t i = 0; i < space->tangent_dim; i++)
         tangent[i] = ldexp(tangent[i], -exponent);
     double length = sqrt(space->inner(space, p, tangent, tangent));
@@ -87,8 +82,7 @@ bat_status polygon_exterior_angle(const bat_space *space, const double *before, 
         status = space->log(space, p, after, forth);
     if (status != BAT_OK)
         return status;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        back[i] = -back[i];
+    vector_scale(space->tangent_dim, -1, back);
     make_unit(space, p, back);
     make_unit(space, p, forth);
     *angle = angle_between(space, p, back, forth);
@@ -109,8 +103,7 @@ bat_status polygon_value_beyond(const bat_space *space, const double *end, ptrdi
         bat_status status = space->log(space, end, end + (ptrdiff_t)node * step, tangent);
         if (status != BAT_OK)
             return status;
-        for (size_t i = 0; i < space->tangent_dim; i++)
-            sum[i] += weight * tangent[i];
+        vector_add(space->tangent_dim, weight, tangent, sum);
     }
     return space->exp(space, end, sum, row);
 }

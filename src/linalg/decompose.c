@@ -110,8 +110,7 @@ static void swap_rows(size_t count, double *a, double *b)
 
 static void subtract_row(size_t count, double factor, const double *from, double *row)
 {
-    for (size_t j = 0; j < count; j++)
-        row[j] -= factor * from[j];
+    vector_add(count, -factor, from, row);
 }
 
 /// Factor the columns begin … end - 1, exchanging whole rows. False where a pivot is zero or not finite.

@@ -1,9 +1,8 @@
 #pragma once
 
+#include "linalg/vector.h"
+
 #include <float.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
 
 /// @file
 /// Eigenvalues of small symmetric matrices by Jacobi's cyclic method: whole square matrices of side n, row-major. Inline, so
@@ -61,9 +60,7 @@ static inline void symmetric_rotate(size_t n, double *a, double *vectors, size_t
 /// null) the eigenvector of the i-th. The entries' squares must not overflow.
 static inline void symmetric_eigen(size_t n, double *a, double *vectors, symmetric_accuracy accuracy)
 {
-    double largest = 0;
-    for (size_t i = 0; i < n * n; i++)
-        largest = fmax(largest, fabs(a[i]));
+    double largest = vector_largest(n * n, a);
     for (size_t i = 0; vectors != NULL && i < n * n; i++)
         vectors[i] = i % (n + 1) == 0 ? 1 : 0;
     const double unit = 0.5 * DBL_EPSILON;

@@ -33,6 +33,35 @@ static inline double vector_square(size_t n, const double *v)
     return vector_dot(n, v, v);
 }
 
+/// The largest absolute value.
+static inline double vector_largest(size_t n, const double *v)
+{
+    double largest = 0;
+    for (size_t i = 0; i < n; i++)
+        largest = fmax(largest, fabs(v[i]));
+    return largest;
+}
+
+/// sum += factor v.
+static inline void vector_add(size_t n, double factor, const double *v, double *sum)
+{
+    for (size_t i = 0; i < n; i++)
+        sum[i] += factor * v[i];
+}
+
+static inline void vector_subtract(size_t n, const double *a, const double *b, double *difference)
+{
+    for (size_t i = 0; i < n; i++)
+        difference[i] = a[i] - b[i];
+}
+
+/// v *= factor.
+static inline void vector_scale(size_t n, double factor, double *v)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] *= factor;
+}
+
 static inline bool vector_is_finite(size_t n, const double *v)
 {
     for (size_t i = 0; i < n; i++)
@@ -65,8 +94,7 @@ static inline double vector3_determinant(const double a[3], const double b[3], c
 
 static inline void vector3_subtract(const double a[3], const double b[3], double difference[3])
 {
-    for (int c = 0; c < 3; c++)
-        difference[c] = a[c] - b[c];
+    vector_subtract(3, a, b, difference);
 }
 
 /// (b - a) x (c - a): perpendicular to a triangle, with twice its area.

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "curve/plan.h"
+#include "linalg/vector.h"
 #include "motion/hermite_average.h"
 
 #include <string.h>
@@ -112,8 +113,7 @@ static bat_status reflect_row(const hermite_plan *plan, const double *centre, co
     size_t n = plan->point_dim;
     double tangent[BAT_SPACE_MAX_DIM];
     bat_status status = space->log(space, centre, row, tangent);
-    for (size_t i = 0; i < plan->tangent_dim; i++)
-        tangent[i] = -tangent[i];
+    vector_scale(plan->tangent_dim, -1, tangent);
     if (status == BAT_OK)
         status = space->exp(space, centre, tangent, image);
     if (status == BAT_OK)

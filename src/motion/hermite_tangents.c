@@ -118,8 +118,7 @@ static bat_status estimate_at(const estimate *e, size_t index, bat_error *error)
         if (status != BAT_OK)
             return error_set(error, status, index, 0, "no tangent at point %zu: its way to point %zu is not unique", index,
                              neighbour_of(curve, index, offset));
-        for (size_t i = 0; i < space->tangent_dim; i++)
-            tangent[i] += weight * log[i];
+        vector_add(space->tangent_dim, weight, log, tangent);
     }
     for (size_t i = 0; i < space->tangent_dim; i++)
         if (!isfinite(tangent[i]))

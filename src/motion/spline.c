@@ -534,12 +534,6 @@ static bat_status extrapolate(const bat_motion_spline *spline, const place *at, 
     return status;
 }
 
-static void scale_by(double *vector, size_t n, double factor)
-{
-    for (size_t i = 0; i < n; i++)
-        vector[i] *= factor;
-}
-
 /// Keys themselves at their times, bit for bit.
 static void copy_key(const bat_motion_spline *spline, const place *at, double *point, double *velocity)
 {
@@ -586,7 +580,7 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
     for (size_t c = 0; acceleration != NULL && c < spline->space.tangent_dim; c++)
         acceleration[c] = rate * rate * acceleration[c] + (slope != 0 ? slope * velocity[c] : 0);
     if (velocity != NULL)
-        scale_by(velocity, spline->space.tangent_dim, rate);
+        vector_scale(spline->space.tangent_dim, rate, velocity);
     copy_key(spline, at, point, velocity);
     return check_finite(point, spline->space.point_dim);
 }
@@ -766,7 +760,7 @@ static bat_status limit_times(bat_motion_spline *spline, const bat_motion_spline
         size_t i = k < spline->intervals ? k : k - 1;
         double rate, slope, length = spline->times[i + 1] - spline->times[i];
         (void)spline_timing_share(&spline->timing, i, spline->timing.times[k * spline->timing.cells], &rate, &slope);
-        scale_by(spline->velocities + k * n, n, rate * length);
+        vector_scale(n, rate * length, spline->velocities + k * n);
     }
     for (size_t i = 0; i <= spline->intervals; i++)
         spline->times[i] = spline->timing.times[i * spline->timing.cells];

@@ -23,12 +23,6 @@ static const double PLACES[6] = {-3, -2, -1, 1, 2, 3};
 static const double FIRST[6] = {-1.0 / 60, 3.0 / 20, -3.0 / 4, 3.0 / 4, -3.0 / 20, 1.0 / 60};
 static const double SECOND[6] = {1.0 / 90, -3.0 / 20, 3.0 / 2, 3.0 / 2, -3.0 / 20, 1.0 / 90};
 
-static void add(size_t n, double factor, const double *vector, double *sum)
-{
-    for (size_t i = 0; i < n; i++)
-        sum[i] += factor * vector[i];
-}
-
 /// 1 / n!
 static const double INVERSE_FACTORIALS[] = {1 / 1.0,
                                             1 / 1.0,
@@ -229,8 +223,8 @@ void spline_differences(size_t n, const double *rows, double *first, double *sec
     memset(second, 0, n * sizeof *second);
     for (size_t k = 0; k < SPLINE_PLACES; k++)
     {
-        add(n, FIRST[k] / STEP, rows + k * n, first);
-        add(n, SECOND[k] / (STEP * STEP), rows + k * n, second);
+        vector_add(n, FIRST[k] / STEP, rows + k * n, first);
+        vector_add(n, SECOND[k] / (STEP * STEP), rows + k * n, second);
     }
 }
 
@@ -256,9 +250,9 @@ static bat_status any_rates(const spline_factor *f, const double *middle, const 
         if (status != BAT_OK)
             return status;
         if (velocity != NULL)
-            add(n, FIRST[k] / STEP, log, velocity);
+            vector_add(n, FIRST[k] / STEP, log, velocity);
         if (acceleration != NULL)
-            add(n, SECOND[k] / (STEP * STEP), log, acceleration);
+            vector_add(n, SECOND[k] / (STEP * STEP), log, acceleration);
     }
     return BAT_OK;
 }
@@ -289,7 +283,7 @@ static bat_status tensor_rates(const spline_factor *f, const double *identity, c
         if (status == BAT_OK)
             status = space->transport(space, near, q, rate, moved);
         if (status == BAT_OK)
-            add(n, FIRST[k] / TENSOR_STEP, moved, acceleration);
+            vector_add(n, FIRST[k] / TENSOR_STEP, moved, acceleration);
     }
     return status;
 }
@@ -310,7 +304,7 @@ static bat_status any_pull(const spline_factor *f, const double *middle, const d
             status = space->transport(space, q, middle, residual, brought);
         if (status != BAT_OK)
             return status;
-        add(space->tangent_dim, 1, brought, pulled);
+        vector_add(space->tangent_dim, 1, brought, pulled);
     }
     return BAT_OK;
 }

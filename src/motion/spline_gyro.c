@@ -199,8 +199,7 @@ static void guess_bias(gyro_work *work)
             multiply(work->keys + 4 * (i - 1), way, end);
             bat_space rotation = bat_rotation();
             if (rotation.log(&rotation, work->keys + 4 * i, end, log) == BAT_OK)
-                for (size_t c = 0; c < 3; c++)
-                    sum[c] += log[c];
+                vector_add(3, 1, log, sum);
         }
         for (size_t c = 0; c < 3; c++)
             work->bias[c] += sum[c] / (work->times[work->count - 1] - work->times[0]);
@@ -351,8 +350,7 @@ bat_status gyro_fuse(const double *times, const double *keys, size_t count, cons
     {
         integrate(&work);
         found = find_ratio(&work);
-        for (size_t c = 0; c < 3; c++)
-            work.bias[c] += work.correction[c];
+        vector_add(3, 1, work.correction, work.bias);
         change = sqrt(vector_square(3, work.correction)) * span;
     }
     if (status == BAT_OK && !(found && isfinite(change)))

@@ -186,8 +186,7 @@ double spline_speed(const spline_system *system, size_t interval)
     size_t n = space->tangent_dim;
     const double *b = system->logs + 2 * interval * n, *a = b + n;
     double chord[DIM];
-    for (size_t c = 0; c < n; c++)
-        chord[c] = a[c] - b[c];
+    vector_subtract(n, a, b, chord);
     double squared = space->inner(space, system->middles + interval * space->point_dim, chord, chord);
     return sqrt(fmax(squared, 0)) / system->lengths[interval];
 }

@@ -239,8 +239,7 @@ static bat_status accelerate(spline_system *system, size_t i)
                                                                 turning_of(system, i, end), acceleration);
         if (status != BAT_OK)
             return status;
-        for (size_t c = 0; c < size_of(system); c++)
-            acceleration[c] *= scale;
+        vector_scale(size_of(system), scale, acceleration);
     }
     return BAT_OK;
 }
@@ -582,8 +581,7 @@ static bat_status correct(spline_system *system, double *diagonal, size_t *faile
         if (status != BAT_OK)
             return status;
         diagonal[k] -= factor * row[-1];
-        for (size_t c = 0; c < n; c++)
-            residual[c] -= factor * moved[c];
+        vector_add(n, -factor, moved, residual);
     }
     for (size_t k = system->count; k-- > 0;)
     {
@@ -623,8 +621,7 @@ static double apply(spline_system *system, double share, size_t *largest_key, do
             largest = change;
             *largest_key = k;
         }
-        for (size_t c = 0; c < size_of(system); c++)
-            velocity[c] += share * correction[c];
+        vector_add(size_of(system), share, correction, velocity);
         *largest_velocity = fmax(*largest_velocity, norm_at(system, k, velocity));
     }
     return largest;

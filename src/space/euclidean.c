@@ -23,8 +23,7 @@ static double distance(const bat_space *space, const double *p, const double *q)
 
 static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
 {
-    for (size_t i = 0; i < space->point_dim; i++)
-        tangent[i] = q[i] - p[i];
+    vector_subtract(space->point_dim, q, p, tangent);
     return BAT_OK;
 }
 

@@ -27,8 +27,7 @@ static double distance(const bat_space *space, const double *p, const double *q)
 
 static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
 {
-    for (int i = 0; i < TRANSLATION; i++)
-        tangent[i] = q[i] - p[i];
+    vector_subtract(TRANSLATION, q, p, tangent);
     return rotation_log(space, p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION);
 }
 

@@ -154,8 +154,7 @@ static void take_quaternion(const double *from, double *quaternion)
     memcpy(quaternion, from, 4 * sizeof *from);
     quaternion_normalize(quaternion);
     double sign = quaternion[0] < 0 ? -1 : 1;
-    for (int i = 0; i < 4; i++)
-        quaternion[i] *= sign;
+    vector_scale(4, sign, quaternion);
 }
 
 /// 4 q q^T of a rotation matrix has, in each column, a multiple of q; the longest column loses nothing (Shepperd 1978).
@@ -184,9 +183,7 @@ bat_status bat_rotation_nearest(const double *matrix, double *quaternion, bat_er
 {
     if (!vector_is_finite(9, matrix))
         return matrix_fault(error, "not finite");
-    double largest = 0, m[9], vectors[16];
-    for (int i = 0; i < 9; i++)
-        largest = fmax(largest, fabs(matrix[i]));
+    double largest = vector_largest(9, matrix), m[9], vectors[16];
     for (int i = 0; i < 9; i++)
         m[i] = largest > 0 ? matrix[i] / largest : 0;
     double k[16] = {m[0] + m[4] + m[8], m[7] - m[5],        m[2] - m[6],         m[3] - m[1],

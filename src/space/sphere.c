@@ -54,12 +54,10 @@ static bat_status logarithm(const bat_space *space, const double *p, const doubl
     for (size_t i = 0; i < n; i++)
         tangent[i] = q[i] + sign * p[i];
     double along = vector_dot(n, tangent, p) / vector_dot(n, p, p);
-    for (size_t i = 0; i < n; i++)
-        tangent[i] -= along * p[i];
+    vector_add(n, -along, p, tangent);
     double length = sqrt(vector_dot(n, tangent, tangent));
     double scale = length > 0 ? 2 * atan2(difference, sum) / length : 1;
-    for (size_t i = 0; i < n; i++)
-        tangent[i] *= scale;
+    vector_scale(n, scale, tangent);
     return BAT_OK;
 }
 
@@ -75,8 +73,7 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
     for (size_t i = 0; i < n; i++)
         q[i] = cosine * p[i] + ratio * tangent[i];
     double inverse = 1 / sqrt(vector_dot(n, q, q));
-    for (size_t i = 0; i < n; i++)
-        q[i] *= inverse;
+    vector_scale(n, inverse, q);
     return BAT_OK;
 }
 
@@ -127,8 +124,7 @@ static bat_status apex(const bat_space *space, const double *p, const double *q,
     double chord[3], normal[3];
     if (length_of_sum(3, p, q, 1) < SPHERE_ANTIPODAL_LENGTH)
         return BAT_CUT_LOCUS;
-    for (int i = 0; i < 3; i++)
-        chord[i] = q[i] - p[i];
+    vector_subtract(3, q, p, chord);
     vector3_cross(p, chord, normal);
     double slope = tan(angle);
     for (int i = 0; i < 3; i++)

@@ -15,10 +15,8 @@
 /// The power of two that the numbers are summed up with, so that neither sums nor squares leave the range.
 static double scale_for(const double *values, size_t count)
 {
-    double largest = 0;
+    double largest = vector_largest(count, values);
     int exponent;
-    for (size_t i = 0; i < count; i++)
-        largest = fmax(largest, fabs(values[i]));
     if (!isfinite(largest))
         return 1;
     (void)frexp(largest, &exponent);

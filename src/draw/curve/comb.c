@@ -32,8 +32,7 @@ static double direction_to(const comb *segments, const double *p, const double *
     else
     {
         double square = segments->space == VIEW_SPHERE ? vector_dot(n, p, p) : 1.0;
-        for (size_t k = 0; k < n; k++)
-            direction[k] = q[k] - p[k];
+        vector_subtract(n, q, p, direction);
         double radial = segments->space == VIEW_SPHERE ? vector_dot(n, direction, p) / square : 0.0;
         for (size_t k = 0; k < n && radial != 0.0; k++)
             direction[k] -= radial * p[k];

@@ -134,8 +134,7 @@ static void recentre(const window *seen, double *longitude, double *latitude)
 static void finish_window(map_choice *choice, const window *seen)
 {
     double side[2];
-    for (int k = 0; k < 2; k++)
-        side[k] = seen->high[k] - seen->low[k];
+    vector_subtract(2, seen->high, seen->low, side);
     double room = fmax(2.0 * MARGIN * fmax(side[0], side[1]), MIN_SIDE);
     double width = side[0] + room, height = side[1] + room;
     width = fmax(width, height / TALLEST);

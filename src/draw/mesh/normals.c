@@ -66,8 +66,7 @@ static void corner_normal(const bat_mesh *mesh, const fan_list *fans, uint32_t v
         double other[3];
         face_normal(mesh, fans->faces[i], other);
         if (vector3_dot(own, other) >= SMOOTH_COSINE * sqrt(size * vector3_dot(other, other)))
-            for (int c = 0; c < 3; c++)
-                sum[c] += other[c];
+            vector_add(3, 1, other, sum);
     }
     set_unit(sum, normal);
 }
@@ -124,8 +123,7 @@ static void describe_polygons(const bat_mesh *mesh, const bat_mesh *polygons, bo
         for (size_t f = face; f < end; f++)
         {
             face_normal(mesh, f, own);
-            for (int c = 0; c < 3; c++)
-                sum[c] += own[c];
+            vector_add(3, 1, own, sum);
         }
         for (; face < end; face++)
             for (size_t c = 0; c < 3; c++)

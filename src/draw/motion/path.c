@@ -100,8 +100,7 @@ static void find_box(const film *shown, path_view *view)
 static void choose_up(const film *shown, path_view *view, double *sign)
 {
     double extent[3];
-    for (int c = 0; c < 3; c++)
-        extent[c] = view->high[c] - view->low[c];
+    vector_subtract(3, view->high, view->low, extent);
     double others = fmin(fmax(extent[0], extent[1]), fmin(fmax(extent[1], extent[2]), fmax(extent[0], extent[2])));
     view->up = 2;
     for (int c = 0; c < 2; c++)

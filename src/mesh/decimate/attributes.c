@@ -178,8 +178,7 @@ static void add_face(const bat_mesh *mesh, const collapse_mesh *topology, uint32
         for (size_t c = 0; c < 3; c++)
         {
             double *sum = sums_of(field, owner[c]) + 1 + 4 * k;
-            for (int d = 0; d < 3; d++)
-                sum[d] += area * gradient[d];
+            vector_add(3, area, gradient, sum);
             quadric_add_plane(&errors[corner[c]], gradient, area);
         }
     }

@@ -544,8 +544,7 @@ error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *
         quadric areas = chain_areas(&chain, &all);
         double share = 9 * BOUNDARY_WEIGHT / VOLUME_WEIGHT * square;
         double *to = &error.xx, *from = &areas.xx;
-        for (size_t k = 0; k < sizeof error / sizeof *to; k++)
-            to[k] += share * from[k];
+        vector_add(sizeof error / sizeof *to, share, from, to);
     }
     error_placement placed;
     if (kept == BAT_MESH_NONE)

@@ -160,8 +160,7 @@ static double perpendicular(const double u[3], const double v[3], double per_squ
     for (int k = 0; k < 3; k++)
         height[k] = v[k] - share * u[k];
     double left = vector3_dot(u, height) * per_squared_u;
-    for (int k = 0; k < 3; k++)
-        height[k] -= left * u[k];
+    vector_add(3, -left, u, height);
     return share + left;
 }
 

@@ -34,8 +34,7 @@ static size_t number_pairs(const bat_mesh *mesh, uint32_t *pair)
 static bool flatten(const double *normal, double v[3])
 {
     double along = vector3_dot(normal, v);
-    for (size_t k = 0; k < 3; k++)
-        v[k] -= along * normal[k];
+    vector_add(3, -along, normal, v);
     return vector3_normalize(v);
 }
 
@@ -66,8 +65,7 @@ static void add_face(const bat_mesh *mesh, size_t face, const double *normals, c
         memcpy(own, tangent, sizeof own);
         if (!flatten(normals + 3 * (size_t)corner[c], own))
             continue;
-        for (size_t k = 0; k < 3; k++)
-            sum[k] += angle * own[k];
+        vector_add(3, angle, own, sum);
         sum[3] += angle * sign;
     }
 }
