@@ -325,8 +325,7 @@ FOR_EVERY_SIDE double norm_of(size_t n, const double *a)
 FOR_EVERY_SIDE void whiten_difference(size_t n, const factor *f, const double *p, const double *q, double *whitened)
 {
     double difference[SIDE * (SIDE + 1) / 2];
-    for (size_t i = 0; i < n * (n + 1) / 2; i++)
-        difference[i] = q[i] - p[i];
+    vector_subtract(n * (n + 1) / 2, q, p, difference);
     triangle_unpack(n, difference, 1, whitened);
     triangle_whiten(n, f->l, f->inverse, whitened);
 }
@@ -393,10 +392,8 @@ FOR_EVERY_SIDE bat_status log_of(size_t n, const double *p, const double *q, dou
 FOR_EVERY_SIDE bat_status exp_of_eigenvalues(size_t n, const double *p, const factor *f, const double *vectors,
                                              double *values, double *q)
 {
-    double largest = 0, images[AREA];
-    for (size_t i = 0; i < n; i++)
-        largest = fmax(largest, fabs(values[i]));
-    bool near = largest <= NEAR;
+    double images[AREA];
+    bool near = vector_largest(n, values) <= NEAR;
     for (size_t i = 0; i < n; i++)
         values[i] = near ? expm1(values[i]) : exp(values[i]);
     triangle_apply(n, f->l, vectors, images);
@@ -441,12 +438,10 @@ FOR_EVERY_SIDE bat_status geodesic_of(size_t n, const double *p, const double *q
         return status;
     if (whole)
     {
-        for (size_t i = 0; i < n * n; i++)
-            m[i] *= t;
+        vector_scale(n * n, t, m);
         return exp_of_matrix(n, p, &f, m, point);
     }
-    for (size_t i = 0; i < n; i++)
-        values[i] *= t;
+    vector_scale(n, t, values);
     return exp_of_eigenvalues(n, p, &f, vectors, values, point);
 }
 
@@ -644,4 +639,48 @@ bat_status bat_positive_definite_velocity(const bat_space *space, const double *
     triangle_unpack(n, tangent, SQRT_HALF, s);
     triangle_congruence(n, f.l, s, NULL, velocity);
     return BAT_OK;
+}
+
+// The derivative of the matrix exponential, between tensors and their logarithms.
+
+/// Q^T A Q, in place.
+static void turn(size_t n, const double *q, double *a)
+{
+    double once[AREA];
+    multiply(n, q, true, a, once);
+    multiply(n, once, false, q, a);
+}
+
+/// The derivative of the matrix exponential at a symmetric matrix, of a symmetric matrix, or its inverse: in the basis of
+/// eigenvectors divided differences of exp (Higham, Functions of matrices, 2008, theorem 3.11). Overwrites `at`.
+static void differentiate_exp(size_t n, double *at, bool inverse, double *vector)
+{
+    double rows[AREA], columns[AREA];
+    symmetric_eigen(n, at, rows, SYMMETRIC_BY_NORM);
+    for (size_t i = 0; i < n * n; i++)
+        columns[i] = rows[i % n * n + i / n];
+    turn(n, columns, vector);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+        {
+            double x = at[i * n + i], y = at[j * n + j], half = (x - y) / 2;
+            double quotient = exp((x + y) / 2) * (fabs(half) > 1e-6 ? sinh(half) / half : 1);
+            vector[i * n + j] *= inverse ? 1 / quotient : quotient;
+        }
+    turn(n, rows, vector);
+}
+
+bat_status positive_definite_convert(const bat_space *space, const double *log, const double *point, const double *vector,
+                                     bool to_log, double *result)
+{
+    double at[AREA], a[AREA], velocity[BAT_SPACE_MAX_DIM];
+    size_t n = side_of(space);
+    bat_status status = to_log ? bat_positive_definite_velocity(space, point, vector, velocity) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
+    triangle_unpack(n, log, SQRT_HALF, at);
+    triangle_unpack(n, to_log ? velocity : vector, to_log ? 1 : SQRT_HALF, a);
+    differentiate_exp(n, at, to_log, a);
+    triangle_pack(n, a, to_log ? SQRT2 : 1, to_log ? result : velocity);
+    return to_log ? BAT_OK : bat_positive_definite_tangent(space, point, velocity, result);
 }
