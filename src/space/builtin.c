@@ -1,18 +1,16 @@
 #include "space/builtin.h"
 
-static bool is_same(const bat_space *a, const bat_space *b)
+static bool is_same(const bat_space *a, bat_space b)
 {
-    return a->dimension == b->dimension && a->point_dim == b->point_dim && a->tangent_dim == b->tangent_dim &&
-           a->weight == b->weight && a->parameters == b->parameters && a->fault == b->fault && a->project == b->project &&
-           a->distance == b->distance && a->log == b->log && a->exp == b->exp && a->transport == b->transport &&
-           a->inner == b->inner && a->geodesic == b->geodesic && a->exterior_angle == b->exterior_angle &&
-           a->apex == b->apex;
+    return a->dimension == b.dimension && a->point_dim == b.point_dim && a->tangent_dim == b.tangent_dim &&
+           a->weight == b.weight && a->parameters == b.parameters && a->fault == b.fault && a->project == b.project &&
+           a->distance == b.distance && a->log == b.log && a->exp == b.exp && a->transport == b.transport &&
+           a->inner == b.inner && a->geodesic == b.geodesic && a->exterior_angle == b.exterior_angle && a->apex == b.apex;
 }
 
 bool space_is_euclidean(const bat_space *space)
 {
-    bat_space ours = bat_euclidean(space->dimension);
-    return is_same(space, &ours);
+    return is_same(space, bat_euclidean(space->dimension));
 }
 
 bool space_is_plane(const bat_space *space)
@@ -22,26 +20,23 @@ bool space_is_plane(const bat_space *space)
 
 bool space_is_sphere(const bat_space *space)
 {
-    bat_space ours = bat_sphere(2);
-    return is_same(space, &ours);
+    return is_same(space, bat_sphere(2));
 }
 
 bool space_is_disk(const bat_space *space)
 {
-    bat_space ours = bat_disk();
-    return is_same(space, &ours);
+    return is_same(space, bat_disk());
 }
 
 bool space_is_rotation(const bat_space *space)
 {
-    bat_space ours = bat_rotation();
-    return is_same(space, &ours);
+    return is_same(space, bat_rotation());
 }
 
 bool space_is_rigid(const bat_space *space)
 {
     bat_space ours;
-    return space->weight > 0 && bat_rigid(space->weight, &ours, NULL) == BAT_OK && is_same(space, &ours);
+    return space->weight > 0 && bat_rigid(space->weight, &ours, NULL) == BAT_OK && is_same(space, ours);
 }
 
 bool space_is_product(const bat_space *space)
@@ -55,13 +50,13 @@ bool space_is_product(const bat_space *space)
     ours.point_dim = space->point_dim;
     ours.tangent_dim = space->tangent_dim;
     ours.parameters = space->parameters;
-    return is_same(space, &ours);
+    return is_same(space, ours);
 }
 
 bool space_is_curved(const bat_space *space, double *curvature)
 {
-    bat_space sphere = bat_sphere(space->dimension), hyperbolic = bat_hyperbolic(space->dimension);
-    bool positive = is_same(space, &sphere), negative = is_same(space, &hyperbolic) || space_is_disk(space);
+    bool positive = is_same(space, bat_sphere(space->dimension));
+    bool negative = is_same(space, bat_hyperbolic(space->dimension)) || space_is_disk(space);
     *curvature = positive ? 1 : -1;
     return positive || negative;
 }

@@ -40,6 +40,8 @@ const char *space_not_finite(const bat_space *space, const double *point);
 bat_status space_project_valid(const bat_space *space, const double *coordinates, double *point);
 /// Divide the coordinates by the largest one. False where one is not finite, or all are 0.
 bool space_scale(size_t n, const double *coordinates, double *scaled);
+/// bat_space::geodesic by the logarithm and the exponential.
+bat_status space_geodesic(const bat_space *space, const double *p, const double *q, double t, double *point);
 /// bat_space::inner of orthonormal coordinates.
 double space_inner(const bat_space *space, const double *p, const double *u, const double *v);
 

@@ -65,12 +65,7 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
 static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
 {
     bool from_q = t > 0.5;
-    const double *base = from_q ? q : p;
-    double tangent[2], share = from_q ? 1 - t : t;
-    (void)logarithm(space, base, from_q ? p : q, tangent);
-    tangent[0] *= share;
-    tangent[1] *= share;
-    return exponential(space, base, tangent, point);
+    return space_geodesic(space, from_q ? q : p, from_q ? p : q, from_q ? 1 - t : t, point);
 }
 
 /// Seen from p at the origin the geodesic is a diameter and transport along it keeps coordinates; going back turns them by

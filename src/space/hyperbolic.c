@@ -87,8 +87,7 @@ static void see(size_t n, const double *p, const double *q, sight *s)
     for (size_t i = 0; i < n; i++)
         s->cross[i] = near ? q[i] - p[i] : q[i];
     double parallel = vector_dot(n, s->cross, s->axis);
-    for (size_t i = 0; i < n; i++)
-        s->cross[i] -= parallel * s->axis[i];
+    vector_add(n, -parallel, s->axis, s->cross);
     double across_squared = vector_dot(n, s->cross, s->cross);
     s->across = sqrt(across_squared);
     double on_axis = near ? s->norm_p + parallel : parallel, sum = s->norm_p + s->norm_q;
@@ -146,8 +145,7 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
     set_axis(n, norm > 0 ? p + 1 : tangent, norm > 0 ? norm : length, axis);
     set_axis(n, tangent, length, cross);
     double a = vector_dot(n, cross, axis);
-    for (size_t i = 0; i < n; i++)
-        cross[i] -= a * axis[i];
+    vector_add(n, -a, axis, cross);
     double sinh_length = sinh(length), along;
     if (a >= 0 || length < SHORT_STEP)
         along = norm * cosh(length) + height(norm) * sinh_length * a;
@@ -171,8 +169,7 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     set_axis(n, s.cross, s.across, unit);
     // Once more at right angles: the part across may itself be mostly rounding.
     double slip = vector_dot(n, unit, s.axis);
-    for (size_t i = 0; i < n; i++)
-        unit[i] -= slip * s.axis[i];
+    vector_add(n, -slip, s.axis, unit);
     double length = sqrt(vector_dot(n, unit, unit));
     set_axis(n, unit, length, unit);
     double versine = 2 * half * half / (1 + half * half), sine = 2 * half / (1 + half * half);
@@ -191,22 +188,11 @@ static void random_point(const bat_space *space, bat_random *random, double *poi
     (void)exponential(space, apex, tangent, point);
 }
 
-/// Beyond an end of the edge, from that end.
-static bat_status geodesic_outside(const bat_space *space, const double *base, const double *other, double share,
-                                   double *point)
-{
-    double tangent[BAT_SPACE_MAX_DIM];
-    (void)logarithm(space, base, other, tangent);
-    for (size_t i = 0; i < space->dimension; i++)
-        tangent[i] *= share;
-    return exponential(space, base, tangent, point);
-}
-
-/// (sinh((1 - t) d) p + sinh(t d) q) / sinh d, all of it positive between the ends.
+/// (sinh((1 - t) d) p + sinh(t d) q) / sinh d, all of it positive between the ends; beyond an end from that end.
 static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
 {
     if (!(t >= 0 && t <= 1))
-        return t < 0 ? geodesic_outside(space, p, q, t, point) : geodesic_outside(space, q, p, 1 - t, point);
+        return t < 0 ? space_geodesic(space, p, q, t, point) : space_geodesic(space, q, p, 1 - t, point);
     sight s;
     see(space->dimension, p + 1, q + 1, &s);
     double of_p = 1 - t, of_q = t;

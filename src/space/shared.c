@@ -27,6 +27,16 @@ bool space_scale(size_t n, const double *coordinates, double *scaled)
     return true;
 }
 
+bat_status space_geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
+{
+    double tangent[BAT_SPACE_MAX_DIM];
+    bat_status status = space->log(space, p, q, tangent);
+    if (status != BAT_OK)
+        return status;
+    vector_scale(space->tangent_dim, t, tangent);
+    return space->exp(space, p, tangent, point);
+}
+
 double space_inner(const bat_space *space, const double *p BAT_UNUSED, const double *u, const double *v)
 {
     return vector_dot(space->tangent_dim, u, v);

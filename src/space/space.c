@@ -84,15 +84,7 @@ bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *spac
 
 bat_status bat_space_geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
 {
-    if (space->geodesic != NULL)
-        return space->geodesic(space, p, q, t, point);
-    double tangent[BAT_SPACE_MAX_DIM];
-    bat_status status = space->log(space, p, q, tangent);
-    if (status != BAT_OK)
-        return status;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        tangent[i] *= t;
-    return space->exp(space, p, tangent, point);
+    return (space->geodesic != NULL ? space->geodesic : space_geodesic)(space, p, q, t, point);
 }
 
 static bat_status row_failed(bat_error *error, bat_status status, size_t row)
