@@ -3,8 +3,8 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "curve/parametric.h"
+#include "linalg/vector.h"
 
-#include <math.h>
 #include <string.h>
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
@@ -30,15 +30,6 @@ static bat_status padded_make(const bat_space *space, const cascade *task, size_
         return error_memory(error, rows * space->point_dim * sizeof *padded->buffer);
     padded->rows = padded->buffer + padded->before * space->point_dim;
     return BAT_OK;
-}
-
-/// The largest absolute value among numbers.
-static double largest_of(const double *values, size_t count)
-{
-    double largest = 0;
-    for (size_t i = 0; i < count; i++)
-        largest = fmax(largest, fabs(values[i]));
-    return largest;
 }
 
 /// Fill the rows around a polygon by the end rule.
@@ -93,7 +84,7 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_curve_sche
 {
     size_t dim = coarse->space->point_dim, rows = coarse->before + coarse->count + coarse->after;
     if (!scheme_kind_of(scheme)->linear ||
-        !may_overflow(&scheme->mask, plan->options.levels, largest_of(coarse->buffer, rows * dim)))
+        !may_overflow(&scheme->mask, plan->options.levels, vector_largest(rows * dim, coarse->buffer)))
         return BAT_OK;
     for (size_t i = 0; i < plan->count; i++)
         for (size_t c = 0; c < dim; c++)
@@ -393,8 +384,8 @@ bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, ba
     bool has_channels = coarse->channel_count > 0 && channels != NULL;
     const bat_curve_scheme *scheme = &plan->options.scheme;
     if (!scheme_goes_by_levels(scheme))
-        return ((const scheme_row *)(const void *)scheme->spline)
-            ->refine(coarse, plan, points, has_channels ? channels : NULL, error);
+        return spline_refine(((const scheme_row *)(const void *)scheme->spline)->form, coarse, plan, points,
+                             has_channels ? channels : NULL, error);
     if (scheme_kind_of(scheme)->beside_channels && has_channels)
         return refine_joined(coarse, plan, points, channels, error);
     double point_dim = (double)coarse->space->point_dim;

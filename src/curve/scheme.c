@@ -151,7 +151,7 @@ static bat_status check_spline(const bat_curve_scheme *scheme, bat_error *error)
         OPTION_FAMILY(bat_curve_scheme, parameters, bat_curve_parameters_family),
     };
     const scheme_row *row = (const scheme_row *)(const void *)scheme->spline;
-    if (row == NULL || row->refine == NULL)
+    if (row == NULL || row->form == NULL)
         return ERROR_ARGUMENT(error, "spline is no row of a spline: bat_curve_scheme_by_name() sets it");
     return OPTIONS_CHECK(scheme, FIELDS, error);
 }

@@ -24,7 +24,7 @@ typedef struct scheme_kind
     polygon_end (*end)(const bat_curve_scheme *scheme);
     /// The scheme of the channels.
     bat_curve_scheme (*channels)(const bat_curve_scheme *scheme);
-    /// The step of a level; null where the curve is not made by levels but by the row's spline_row::refine.
+    /// The step of a level; null where the curve is not made by levels but by the row's scheme_row::form.
     refine_kernel (*kernel)(const bat_space *space, const bat_curve_scheme *scheme);
 } scheme_kind;
 
@@ -52,7 +52,7 @@ size_t scheme_decided_levels(const bat_curve_scheme *scheme);
 /// Whether each level must be there as a whole before the next begins.
 bool scheme_needs_whole_polygons(const bat_curve_scheme *scheme);
 
-// The rows of bat_curve_scheme_family. A new spline is a file with its function, and a row in scheme_name.c.
+// The rows of bat_curve_scheme_family. A new spline is a form, and a row in scheme_name.c.
 
 /// The settings that a scheme's name may carry.
 typedef struct scheme_settings
@@ -64,11 +64,15 @@ typedef struct scheme_settings
     bat_curve_parameters parameters;
 } scheme_settings;
 
+/// What differs from spline to spline.
+typedef struct spline_form spline_form;
+extern const spline_form spline_catmull_rom, spline_cubic, spline_quintic;
+
 /// Make the refined curve of a spline.
 /// @param channels room for the plan's rows of channels; null: they are not computed
 /// @return as bat_curve_refine()
-typedef bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                                 bat_error *error);
+bat_status spline_refine(const spline_form *form, const bat_curve *coarse, const refine_plan *plan, double *points,
+                         double *channels, bat_error *error);
 
 /// A name: what it takes, and how the settings become a scheme.
 typedef struct scheme_row
@@ -78,7 +82,5 @@ typedef struct scheme_row
     /// Check what the ranges of the scheme's fields do not tell; null for nothing.
     bat_status (*check)(const scheme_settings *settings, bat_error *error);
     bat_curve_scheme (*make)(const scheme_settings *settings); ///< null for splines and the mask
-    spline_refine *refine;                                     ///< of splines; null for other schemes
+    const spline_form *form;                                   ///< of splines; null for other schemes
 } scheme_row;
-
-spline_refine spline_catmull_rom, spline_cubic, spline_quintic;

@@ -137,13 +137,13 @@ static const scheme_row ROWS[] = {
      .make = make_geodesic},
     {.choice = CHOICE_SET("catmull-rom", "parameters=centripetal", "interpolates by a C1 spline of local cubics; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CENTRIPETAL},
-     .refine = spline_catmull_rom},
+     .form = &spline_catmull_rom},
     {.choice = CHOICE_SET("cubic", "parameters=chordal", "interpolates by the cubic spline, C2 in R^n; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CHORDAL},
-     .refine = spline_cubic},
+     .form = &spline_cubic},
     {.choice = CHOICE_SET("quintic", "parameters=chordal", "interpolates by a quintic Hermite spline, C2 in R^n; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CHORDAL},
-     .refine = spline_quintic},
+     .form = &spline_quintic},
     {.choice = CHOICE_SET("learned", "fairness=0.25",
                           "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk"),
      .defaults = {.fairness = 0.25},
@@ -211,7 +211,7 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
     const scheme_row *row = (const scheme_row *)(const void *)choice_find(&bat_curve_scheme_family, name, length);
     if (row == NULL)
         return ERROR_ARGUMENT(error, "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
-    if (row->make == NULL && row->refine == NULL)
+    if (row->make == NULL && row->form == NULL)
         return read_mask(text, scheme, error);
     scheme_settings s = row->defaults;
     bat_status status = settings_read(&row->choice, text, SETTINGS, sizeof SETTINGS / sizeof *SETTINGS, &s, error);

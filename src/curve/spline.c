@@ -18,15 +18,14 @@
 
 typedef struct spline spline;
 
-/// What differs from spline to spline.
-typedef struct spline_form
+struct spline_form
 {
     size_t degree;                              ///< 3 or 5
     void (*weights)(double t, double *weights); ///< the degree + 1 Bernstein polynomials
     /// Find the derivatives at all points.
     /// @param fault receives the point at fault
     bat_status (*find)(const spline *s, const bat_curve_refine_options *options, size_t *fault);
-} spline_form;
+};
 
 struct spline
 {
@@ -172,7 +171,7 @@ static void store(const spline *s, const double *row, size_t at, double *points,
 {
     size_t point_dim = s->dim - s->channel_count;
     memcpy(points + at * point_dim, row, point_dim * sizeof *row);
-    if (s->channel_count > 0)
+    if (channels != NULL)
         memcpy(channels + at * s->channel_count, row + point_dim, s->channel_count * sizeof *row);
 }
 
@@ -224,9 +223,8 @@ static bat_status evaluate(const spline *s, const refine_plan *plan, double *poi
     return shared_work_end(&work, error);
 }
 
-/// A spline_refine of a form.
-static bat_status spline_make(const spline_form *form, const bat_curve *coarse, const refine_plan *plan, double *points,
-                              double *channels, bat_error *error)
+bat_status spline_refine(const spline_form *form, const bat_curve *coarse, const refine_plan *plan, double *points,
+                         double *channels, bat_error *error)
 {
     spline s = {.coarse = coarse, .scheme = &plan->options.scheme, .count = coarse->count, .form = form};
     s.channel_count = channels != NULL ? coarse->channel_count : 0;
@@ -265,36 +263,20 @@ static bat_status spline_make(const spline_form *form, const bat_curve *coarse, 
 /// diagonally dominant by a factor of 2, so what lies beyond changes a velocity by less than 2^-64 of itself.
 #define WRAP 64
 
-/// The share of the increment before point i in the sum of both.
-static double share_before(const spline *s, ptrdiff_t i)
+/// The share of the increment before (side -1) or after (side 1) point i in the sum of both.
+static double share(const spline *s, ptrdiff_t i, int side)
 {
     double before = spline_increment(s, i - 1), after = spline_increment(s, i);
-    return before / (before + after);
+    return (side < 0 ? before : after) / (before + after);
 }
 
-static double share_after(const spline *s, ptrdiff_t i)
+/// The velocity at point i of the geodesic from the point before (side -1), or to the next point (side 1).
+static bat_status slope_of(const spline *s, ptrdiff_t i, int side, double *slope)
 {
-    double before = spline_increment(s, i - 1), after = spline_increment(s, i);
-    return after / (before + after);
-}
-
-/// The velocity at point i of the geodesic to the next point.
-static bat_status slope_after(const spline *s, ptrdiff_t i, double *slope)
-{
-    bat_status status = s->space->log(s->space, spline_row_at(s, i), spline_row_at(s, i + 1), slope);
-    double increment = spline_increment(s, i);
+    bat_status status = s->space->log(s->space, spline_row_at(s, i), spline_row_at(s, i + side), slope);
+    double increment = side < 0 ? -spline_increment(s, i - 1) : spline_increment(s, i);
     for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
         slope[c] /= increment;
-    return status;
-}
-
-/// The velocity at point i of the geodesic from the point before.
-static bat_status slope_before(const spline *s, ptrdiff_t i, double *slope)
-{
-    bat_status status = s->space->log(s->space, spline_row_at(s, i), spline_row_at(s, i - 1), slope);
-    double increment = spline_increment(s, i - 1);
-    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-        slope[c] /= -increment;
     return status;
 }
 
@@ -302,9 +284,9 @@ static bat_status slope_before(const spline *s, ptrdiff_t i, double *slope)
 static bat_status weighted_slopes(const spline *s, ptrdiff_t i, double before, double after, double *sum)
 {
     double slope[BAT_SPACE_MAX_DIM];
-    bat_status status = slope_before(s, i, sum);
+    bat_status status = slope_of(s, i, -1, sum);
     if (status == BAT_OK)
-        status = slope_after(s, i, slope);
+        status = slope_of(s, i, 1, slope);
     for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
         sum[c] = before * sum[c] + after * slope[c];
     return status;
@@ -326,36 +308,42 @@ static double *velocity_of(const spline *s, size_t i)
     return spline_derivative(s, i, 1);
 }
 
-/// The slope of the only edge at an end of an open curve; `end` is 0 or count - 1.
+/// The side of the only edge at an end of an open curve; `end` is 0 or count - 1.
+static int inner_side(ptrdiff_t end)
+{
+    return end == 0 ? 1 : -1;
+}
+
+/// The slope of that edge.
 static bat_status end_slope(const spline *s, ptrdiff_t end, double *slope)
 {
-    return end == 0 ? slope_after(s, 0, slope) : slope_before(s, end, slope);
+    return slope_of(s, end, inner_side(end), slope);
 }
 
 /// Replace the velocity of an end by factor * slope - share * the velocity of the point beside it.
 static bat_status end_velocity(const spline *s, ptrdiff_t end, double factor, double share)
 {
     double *velocity = velocity_of(s, (size_t)end);
-    ptrdiff_t beside = end == 0 ? 1 : end - 1;
+    ptrdiff_t beside = end + inner_side(end);
     bat_status status = end_slope(s, end, velocity);
-    for (size_t c = 0; c < s->tangent_dim; c++)
-        velocity[c] *= factor;
+    vector_scale(s->tangent_dim, factor, velocity);
     return status == BAT_OK ? add_transported(s, beside, end, -share, velocity_of(s, (size_t)beside), velocity) : status;
 }
 
 // Catmull-Rom
 
 /// The velocity of the parabola through each point and its neighbours. At the ends of an open curve it is that of the edge,
-/// as if the curve went on by point reflection, or with `parabola` that of the parabola through the last three points.
-static bat_status catmull_rom(const spline *s, bool parabola, size_t *fault)
+/// as if the curve went on by point reflection, or, to extrapolate, that of the parabola through the last three points.
+static bat_status find_catmull_rom(const spline *s, const bat_curve_refine_options *options, size_t *fault)
 {
+    bool parabola = options->ends == BAT_CURVE_END_RULE_EXTRAPOLATE;
     bat_status status = BAT_OK;
     size_t inner = s->coarse->closed ? 0 : 1;
     for (size_t i = inner; i + inner < s->count && status == BAT_OK; i++)
     {
         *fault = i;
         ptrdiff_t at = (ptrdiff_t)i;
-        status = weighted_slopes(s, at, share_after(s, at), share_before(s, at), velocity_of(s, i));
+        status = weighted_slopes(s, at, share(s, at, 1), share(s, at, -1), velocity_of(s, i));
     }
     for (size_t k = 0; k < 2 && !s->coarse->closed && status == BAT_OK; k++)
     {
@@ -368,7 +356,7 @@ static bat_status catmull_rom(const spline *s, bool parabola, size_t *fault)
 
 // The cubic spline
 
-/// The tridiagonal system of the velocities m_i at the points begin … end - 1. With a = share_after(i), b = share_before(i):
+/// The tridiagonal system of the velocities m_i at the points begin … end - 1. With a = share(i, 1), b = share(i, -1):
 ///
 ///     a m_(i-1) + g m_i + b m_(i+1) = right side,
 ///
@@ -387,7 +375,7 @@ typedef struct velocity_system
 /// of the end point is eliminated: m_1 + b m_2 = a^2 slope before + (3 - b) b slope after, and likewise at the other end.
 static bat_status equation(const spline *s, const velocity_system *system, ptrdiff_t i, double *diagonal, double *right)
 {
-    double a = share_after(s, i), b = share_before(s, i);
+    double a = share(s, i, 1), b = share(s, i, -1);
     bool first = system->not_a_knot && i == system->begin, last = system->not_a_knot && i == system->end - 1;
     *diagonal = first || last ? 1 : 2;
     double before = first ? a * a : last ? (3 - a) * a : 3 * a;
@@ -406,11 +394,11 @@ static bat_status eliminate(const spline *s, const velocity_system *system, size
         status = equation(s, system, i, &pivot, right);
         if (status == BAT_OK && at > 0)
         {
-            double lower = share_after(s, i);
+            double lower = share(s, i, 1);
             pivot -= lower * system->upper[at - 1];
             status = add_transported(s, i - 1, i, -lower, right - s->tangent_dim, right);
         }
-        system->upper[at] = share_before(s, i) / pivot;
+        system->upper[at] = share(s, i, -1) / pivot;
         for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
             right[c] /= pivot;
     }
@@ -455,10 +443,10 @@ static bat_status solve(const spline *s, ptrdiff_t begin, ptrdiff_t end, size_t 
 static bat_status not_a_knot_end(const spline *s, ptrdiff_t end)
 {
     double next[BAT_SPACE_MAX_DIM], *velocity = velocity_of(s, (size_t)end);
-    ptrdiff_t beside = end == 0 ? 1 : end - 1;
-    double near = end == 0 ? share_before(s, beside) : share_after(s, beside);
-    double far = end == 0 ? share_after(s, beside) : share_before(s, beside);
-    bat_status status = end == 0 ? slope_after(s, beside, next) : slope_before(s, beside, next);
+    int side = inner_side(end);
+    ptrdiff_t beside = end + side;
+    double near = share(s, beside, -side), far = share(s, beside, side);
+    bat_status status = slope_of(s, beside, side, next);
     if (status == BAT_OK)
         status = end_slope(s, end, velocity);
     for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
@@ -475,7 +463,7 @@ static bat_status natural(const spline *s, size_t *fault)
     bat_status status = BAT_OK;
     *fault = 1;
     if (s->count == 3)
-        status = weighted_slopes(s, 1, share_after(s, 1), share_before(s, 1), velocity_of(s, 1));
+        status = weighted_slopes(s, 1, share(s, 1, 1), share(s, 1, -1), velocity_of(s, 1));
     for (size_t k = 0; k < 2 && status == BAT_OK; k++)
     {
         *fault = k == 0 ? 0 : s->count - 1;
@@ -485,7 +473,7 @@ static bat_status natural(const spline *s, size_t *fault)
     return status;
 }
 
-static bat_status cubic(const spline *s, size_t *fault)
+static bat_status find_cubic(const spline *s, const bat_curve_refine_options *options BAT_UNUSED, size_t *fault)
 {
     ptrdiff_t count = (ptrdiff_t)s->count;
     if (s->coarse->closed)
@@ -501,16 +489,6 @@ static bat_status cubic(const spline *s, size_t *fault)
     return status;
 }
 
-static bat_status find_cubic(const spline *s, const bat_curve_refine_options *options BAT_UNUSED, size_t *fault)
-{
-    return cubic(s, fault);
-}
-
-static bat_status find_catmull_rom(const spline *s, const bat_curve_refine_options *options, size_t *fault)
-{
-    return catmull_rom(s, options->ends == BAT_CURVE_END_RULE_EXTRAPOLATE, fault);
-}
-
 static void cubic_weights(double t, double *weights)
 {
     double r = 1 - t;
@@ -520,18 +498,8 @@ static void cubic_weights(double t, double *weights)
     weights[3] = t * t * t;
 }
 
-bat_status spline_catmull_rom(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                              bat_error *error)
-{
-    static const spline_form FORM = {3, cubic_weights, find_catmull_rom};
-    return spline_make(&FORM, coarse, plan, points, channels, error);
-}
-
-bat_status spline_cubic(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels, bat_error *error)
-{
-    static const spline_form FORM = {3, cubic_weights, find_cubic};
-    return spline_make(&FORM, coarse, plan, points, channels, error);
-}
+const spline_form spline_catmull_rom = {3, cubic_weights, find_catmull_rom};
+const spline_form spline_cubic = {3, cubic_weights, find_cubic};
 
 // The quintic Hermite spline: Bezier curves of degree 5 from velocities and accelerations at the points, which are the
 // derivatives of the polynomial through five neighbouring points (Fornberg 1988). In R^n it is C2 and reproduces
@@ -610,9 +578,4 @@ static void quintic_weights(double t, double *weights)
     weights[5] = t * t * t * t * t;
 }
 
-bat_status spline_quintic(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                          bat_error *error)
-{
-    static const spline_form FORM = {5, quintic_weights, find};
-    return spline_make(&FORM, coarse, plan, points, channels, error);
-}
+const spline_form spline_quintic = {5, quintic_weights, find};
