@@ -542,11 +542,7 @@ static bat_status stay_simple(const bat_curve *given, const bat_curve_refine_opt
         smooth_back_begin(&back, smooth->points);
     while (status == BAT_OK && moved)
     {
-        edge_tree tree;
-        status = edge_tree_make(smooth, 1, 0, 1, &tree, error);
-        if (status == BAT_OK)
-            (void)edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, mark_pair, &back);
-        edge_tree_free(&tree);
+        status = edge_pairs_find(smooth, 1, 0, EDGE_PAIRS_SAME_CURVE, 1, mark_pair, &back, error);
         moved = false;
         if (status == BAT_OK)
             status = smooth_back_move(&back, smooth->points, &moved);

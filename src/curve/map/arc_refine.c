@@ -203,13 +203,9 @@ static bool note_crossing(void *context, edge_place first, edge_place second)
 /// Refuse arcs that meet, of schemes that move the given points: there are no edges to which they could be drawn back.
 static bat_status refuse_crossings(arc_job *job, bat_error *error)
 {
-    edge_tree tree;
     crossing_search search = {job, {BAT_NO_INDEX, 0}};
-    bat_status status = edge_tree_make(job->after.curves, job->after.count, 0, job->options->threads, &tree, error);
-    tree.turn = job->chart->turn;
-    if (status == BAT_OK)
-        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, &search);
-    edge_tree_free(&tree);
+    bat_status status = edge_pairs_find(job->after.curves, job->after.count, job->chart->turn, EDGE_PAIRS_ARCS,
+                                        job->options->threads, note_crossing, &search, error);
     if (status == BAT_OK && search.found.curve != BAT_NO_INDEX)
         status = error_remedy(
             error,

@@ -32,13 +32,8 @@ static bool note_new(void *context, edge_place first, edge_place second)
 /// Mark the edges that meet and did not.
 static bat_status search_met(smooth_job *job, const chart_curves *charts, bat_error *error)
 {
-    edge_tree tree;
-    bat_status status = edge_tree_make(charts->curves, charts->count, 0, job->options->threads, &tree, error);
-    tree.turn = job->chart->turn;
-    if (status == BAT_OK)
-        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_new, job);
-    edge_tree_free(&tree);
-    return status;
+    return edge_pairs_find(charts->curves, charts->count, job->chart->turn, EDGE_PAIRS_ARCS, job->options->threads, note_new,
+                           job, error);
 }
 
 /// Mark the edges that pass over the anchor of another part on their way from the given ones.

@@ -474,8 +474,7 @@ static bat_status move_arcs(area_job *job, bat_error *error)
             if (way == 0)
                 continue;
             (void)left_of(job, line, i, left);
-            for (size_t c = 0; c < job->dim; c++)
-                point[c] += way * left[c];
+            vector_add(job->dim, way, left, point);
             double length = job->sphere ? sqrt(vector3_dot(point, point)) : 1;
             for (size_t c = 0; c < job->dim; c++)
                 point[c] /= length;
@@ -584,14 +583,10 @@ static bool note_crossing(void *context, edge_place first, edge_place second)
 static bat_status freeze_crossings(area_job *job, bat_error *error)
 {
     chart_curves charts;
-    edge_tree tree = {0};
     bat_status status = chart_curves_make(job->chart, job->fine->arcs, job->fine->count, NULL, NULL, 1, &charts, error);
     if (status == BAT_OK)
-        status = edge_tree_make(charts.curves, charts.count, 0, 0, &tree, error);
-    tree.turn = job->chart->turn;
-    if (status == BAT_OK)
-        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, job);
-    edge_tree_free(&tree);
+        status =
+            edge_pairs_find(charts.curves, charts.count, job->chart->turn, EDGE_PAIRS_ARCS, 0, note_crossing, job, error);
     chart_curves_free(&charts);
     return status;
 }

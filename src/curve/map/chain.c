@@ -279,19 +279,14 @@ void line_chains_free(line_chains *chains)
     *chains = (line_chains){0};
 }
 
-static int compare_sizes(size_t a, size_t b)
-{
-    return (a > b) - (a < b);
-}
-
 static int compare_pairs(const void *a, const void *b)
 {
     const met_pair *p = a, *q = b;
     for (int k = 0; k < 2; k++)
     {
-        int order = compare_sizes(p->places[k].curve, q->places[k].curve);
+        int order = ORDER_OF(p->places[k].curve, q->places[k].curve);
         if (order == 0)
-            order = compare_sizes(p->places[k].edge, q->places[k].edge);
+            order = ORDER_OF(p->places[k].edge, q->places[k].edge);
         if (order != 0)
             return order;
     }

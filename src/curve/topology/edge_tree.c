@@ -807,3 +807,15 @@ bool edge_tree_search(const edge_tree *tree, edge_pairs pairs, bool changed_only
         search_part(&search, &whole[i]);
     return !search.stopped;
 }
+
+bat_status edge_pairs_find(const bat_curve *curves, size_t count, double turn, edge_pairs pairs, int threads,
+                           edge_pair_found *found, void *context, bat_error *error)
+{
+    edge_tree tree;
+    bat_status status = edge_tree_make(curves, count, 0, threads, &tree, error);
+    tree.turn = turn;
+    if (status == BAT_OK)
+        (void)edge_tree_search(&tree, pairs, false, found, context);
+    edge_tree_free(&tree);
+    return status;
+}

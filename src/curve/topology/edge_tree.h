@@ -135,3 +135,7 @@ void edge_tree_settle(edge_tree *tree);
 /// @param changed_only only pairs with a marked edge; neighbours of marked edges may count as marked
 /// @return false when `found` ended the search
 bool edge_tree_search(const edge_tree *tree, edge_pairs pairs, bool changed_only, edge_pair_found *found, void *context);
+/// The same search of curves without a tree for more.
+/// @return BAT_OK, also where `found` ended the search, or BAT_NO_MEMORY
+bat_status edge_pairs_find(const bat_curve *curves, size_t count, double turn, edge_pairs pairs, int threads,
+                           edge_pair_found *found, void *context, bat_error *error);

@@ -4,19 +4,15 @@
 #include "batten/curve_measure.h"
 #include "curve/polygon.h"
 
-static bool stop_at_first(void *context BAT_UNUSED, edge_place first BAT_UNUSED, edge_place second BAT_UNUSED)
+static bool stop_at_first(void *apart, edge_place first BAT_UNUSED, edge_place second BAT_UNUSED)
 {
-    return false;
+    return *(bool *)apart = false;
 }
 
 bat_status curve_edges_are_apart(const bat_curve *curve, bool *apart, bat_error *error)
 {
-    edge_tree tree;
-    bat_status status = edge_tree_make(curve, 1, 0, 1, &tree, error);
-    if (status == BAT_OK)
-        *apart = edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, stop_at_first, NULL);
-    edge_tree_free(&tree);
-    return status;
+    *apart = true;
+    return edge_pairs_find(curve, 1, 0, EDGE_PAIRS_SAME_CURVE, 1, stop_at_first, apart, error);
 }
 
 /// The number of pairs of edges that meet, and the first of them.
@@ -36,12 +32,8 @@ static bool count_pair(void *context, edge_place first, edge_place second BAT_UN
 /// A curve that does not contain the given points has no edges to be drawn back to.
 static bat_status only_count(const bat_curve *fine, bool must, bat_curve_refine_report *report, bat_error *error)
 {
-    edge_tree tree;
     pair_count count = {0, 0};
-    bat_status status = edge_tree_make(fine, 1, 0, 1, &tree, error);
-    if (status == BAT_OK)
-        (void)edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, count_pair, &count);
-    edge_tree_free(&tree);
+    bat_status status = edge_pairs_find(fine, 1, 0, EDGE_PAIRS_SAME_CURVE, 1, count_pair, &count, error);
     if (status != BAT_OK)
         return status;
     if (must && count.pairs > 0)

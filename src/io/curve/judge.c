@@ -126,13 +126,8 @@ static bool note_fault(void *context, edge_place first, edge_place second)
 /// Find a fault of a shape's rings. `search` receives it.
 static bat_status find_fault(const flat_rings *flat, fault_search *search, bat_error *error)
 {
-    edge_tree tree;
     *search = (fault_search){.flat = flat};
-    bat_status status = edge_tree_make(flat->rings, flat->count, 0, 1, &tree, error);
-    if (status == BAT_OK)
-        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_fault, search);
-    edge_tree_free(&tree);
-    return status;
+    return edge_pairs_find(flat->rings, flat->count, 0, EDGE_PAIRS_ARCS, 1, note_fault, search, error);
 }
 
 /// Whether an edge passes a place, or begins there.
