@@ -404,7 +404,7 @@ static bat_status run_separate(const pieces *all, piece *part, const bat_curve *
     if (status != BAT_OK || channels == NULL)
         return status;
     bat_space values = bat_euclidean(curve->channel_count);
-    bat_curve_scheme mask = scheme_kind_of(scheme)->channels(scheme);
+    bat_curve_scheme mask = scheme_of_channels(scheme);
     refine_kernel kernel = scheme_kernel(&values, &mask);
     return run_stopped(all, part, curve, &values, curve->channels, &mask, &kernel, progress_of_part(&parts[1]), channels,
                        error);

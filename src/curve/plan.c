@@ -53,7 +53,7 @@ static bat_status check_space(const bat_space *space, const bat_curve_refine_opt
     if (!kind->linear && (options->snap || options->ends == BAT_CURVE_END_RULE_FREE))
         return ERROR_UNSUPPORTED(error, 0, "only linear schemes can %s",
                                  options->snap ? "be moved to their limit" : "leave the ends free");
-    return kind->suits(&options->scheme, space, error);
+    return kind->suits != NULL ? kind->suits(&options->scheme, space, error) : BAT_OK;
 }
 
 /// A mask has a vertex where its centre is whole: new point i lies at (i - centre) / 2. `first` + `last` = 2 centre.

@@ -41,7 +41,7 @@ static bat_status extend(padded_rows *coarse, const refine_kernel *kernel, const
                                  coarse->before, coarse->after, error);
     polygon_end end = POLYGON_END_REFLECT;
     if (ends == BAT_CURVE_END_RULE_EXTRAPOLATE)
-        end = scheme_kind_of(scheme)->end(scheme);
+        end = scheme_end(scheme);
     return polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end, coarse->before, coarse->after,
                           error);
 }
@@ -344,7 +344,7 @@ static bat_status refine_channels(const bat_curve *coarse, const refine_plan *pl
                                   bat_error *error)
 {
     bat_space space = bat_euclidean(coarse->channel_count);
-    bat_curve_scheme scheme = scheme_kind_of(&plan->options.scheme)->channels(&plan->options.scheme);
+    bat_curve_scheme scheme = scheme_of_channels(&plan->options.scheme);
     refine_kernel kernel = scheme_kernel(&space, &scheme);
     refine_input all = {&space, coarse->channels, coarse->count, coarse->closed, plan->options.levels, 0};
     return refine_rows(&all, &scheme, &kernel, plan, progress, fine, error);

@@ -110,11 +110,6 @@ static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
         BAT_CURVE_ANGLE_RULE_REACH);
 }
 
-static bat_status check_auto(const bat_curve_scheme *scheme BAT_UNUSED, bat_error *error BAT_UNUSED)
-{
-    return BAT_OK;
-}
-
 static bat_status check_angle(const bat_curve_scheme *scheme, bat_error *error)
 {
     static const option_field FIELDS[] = {
@@ -156,12 +151,6 @@ static bat_status check_spline(const bat_curve_scheme *scheme, bat_error *error)
     return OPTIONS_CHECK(scheme, FIELDS, error);
 }
 
-static bat_status suits_all(const bat_curve_scheme *scheme BAT_UNUSED, const bat_space *space BAT_UNUSED,
-                            bat_error *error BAT_UNUSED)
-{
-    return BAT_OK;
-}
-
 static bat_status suits_linear(const bat_curve_scheme *scheme BAT_UNUSED, const bat_space *space, bat_error *error)
 {
     if (space_is_euclidean(space))
@@ -188,34 +177,22 @@ static bat_status suits_angle(const bat_curve_scheme *scheme, const bat_space *s
     return BAT_OK;
 }
 
-static bool keeps_always(const bat_curve_scheme *scheme BAT_UNUSED)
+bool scheme_keeps_points(const bat_curve_scheme *scheme)
 {
-    return true;
+    return !scheme_kind_of(scheme)->by_mask || mask_is_interpolatory(&scheme->mask);
 }
 
-static bool keeps_by_mask(const bat_curve_scheme *scheme)
+polygon_end scheme_end(const bat_curve_scheme *scheme)
 {
-    return mask_is_interpolatory(&scheme->mask);
+    return scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE ? POLYGON_END_MIRROR
+           : mask_is_interpolatory(&scheme->mask)      ? POLYGON_END_CUBIC
+                                                       : POLYGON_END_LINE;
 }
 
-static polygon_end end_of_angles(const bat_curve_scheme *scheme BAT_UNUSED)
+bat_curve_scheme scheme_of_channels(const bat_curve_scheme *scheme)
 {
-    return POLYGON_END_MIRROR;
-}
-
-static polygon_end end_of_mask(const bat_curve_scheme *scheme)
-{
-    return mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
-}
-
-static bat_curve_scheme channels_by_four_point(const bat_curve_scheme *scheme BAT_UNUSED)
-{
-    return bat_curve_scheme_linear(bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT));
-}
-
-static bat_curve_scheme channels_by_mask(const bat_curve_scheme *scheme)
-{
-    return bat_curve_scheme_linear(scheme->mask);
+    return bat_curve_scheme_linear(
+        scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE ? bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT) : scheme->mask);
 }
 
 static refine_kernel linear_kernel(const bat_space *space, const bat_curve_scheme *scheme)
@@ -234,56 +211,30 @@ static refine_kernel four_point_kernel(const bat_space *space, const bat_curve_s
 }
 
 static const scheme_kind KINDS[] = {
-    {.choice = CHOICE("auto", "that of the space", BAT_CURVE_SCHEME_KIND_AUTO),
-     .check = check_auto,
-     .suits = suits_all,
-     .keeps_points = keeps_always,
-     .end = end_of_mask,
-     .channels = channels_by_mask,
-     .kernel = linear_kernel},
+    {.choice = CHOICE("auto", "that of the space", BAT_CURVE_SCHEME_KIND_AUTO), .kernel = linear_kernel},
     {.choice = CHOICE("linear", "a mask on coordinates", BAT_CURVE_SCHEME_KIND_LINEAR),
      .linear = true,
      .check = check_linear,
      .suits = suits_linear,
-     .keeps_points = keeps_by_mask,
-     .end = end_of_mask,
-     .channels = channels_by_mask,
+     .by_mask = true,
      .kernel = linear_kernel},
     {.choice = CHOICE("angle", "vertices over edges by exterior angles", BAT_CURVE_SCHEME_KIND_ANGLE),
      .check = check_angle,
      .suits = suits_angle,
-     .keeps_points = keeps_always,
-     .end = end_of_angles,
-     .channels = channels_by_four_point,
      .kernel = angle_kernel},
     {.choice = CHOICE("log-exp", "a mask in tangent spaces", BAT_CURVE_SCHEME_KIND_LOG_EXP),
      .check = check_log_exp,
-     .suits = suits_all,
-     .keeps_points = keeps_by_mask,
-     .end = end_of_mask,
-     .channels = channels_by_mask,
+     .by_mask = true,
      .kernel = kernel_log_exp},
     {.choice = CHOICE("geodesic", "averages along geodesics", BAT_CURVE_SCHEME_KIND_GEODESIC),
      .check = check_geodesic,
-     .suits = suits_all,
-     .keeps_points = keeps_by_mask,
-     .end = end_of_mask,
-     .channels = channels_by_mask,
+     .by_mask = true,
      .kernel = kernel_geodesic},
     {.choice = CHOICE("four-point", "the cubic through four points at their parameters", BAT_CURVE_SCHEME_KIND_FOUR_POINT),
      .beside_channels = true,
      .check = check_four_point,
-     .suits = suits_all,
-     .keeps_points = keeps_always,
-     .end = end_of_mask,
-     .channels = channels_by_mask,
      .kernel = four_point_kernel},
-    {.choice = CHOICE("spline", "a spline through the points", BAT_CURVE_SCHEME_KIND_SPLINE),
-     .check = check_spline,
-     .suits = suits_all,
-     .keeps_points = keeps_always,
-     .end = end_of_mask,
-     .channels = channels_by_mask},
+    {.choice = CHOICE("spline", "a spline through the points", BAT_CURVE_SCHEME_KIND_SPLINE), .check = check_spline},
 };
 const bat_family bat_curve_scheme_kind_family = FAMILY("kind of schemes", KINDS);
 
@@ -326,5 +277,6 @@ bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *err
         OPTION_FAMILY(bat_curve_scheme, kind, bat_curve_scheme_kind_family),
     };
     bat_status status = OPTIONS_CHECK(scheme, KIND, error);
-    return status == BAT_OK ? scheme_kind_of(scheme)->check(scheme, error) : status;
+    bool checked = status != BAT_OK || scheme_kind_of(scheme)->check == NULL;
+    return checked ? status : scheme_kind_of(scheme)->check(scheme, error);
 }

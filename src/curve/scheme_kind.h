@@ -12,18 +12,13 @@ typedef struct scheme_kind
 {
     bat_choice choice;    ///< bat_choice::value is the kind
     bool linear;          ///< a mask on coordinates: points may be moved to their limit, and ends be free
+    bool by_mask;         ///< the mask tells whether the given points stay; else they do
     bool beside_channels; ///< channels are refined beside the points, by kernel_four_point()
 
-    /// Check the fields that the kind uses.
+    /// Check the fields that the kind uses; null for none.
     bat_status (*check)(const bat_curve_scheme *scheme, bat_error *error);
-    /// Whether a checked scheme has a meaning in a space.
+    /// Whether a checked scheme has a meaning in a space; null: in every space.
     bat_status (*suits)(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error);
-    /// Whether a checked scheme keeps the given points.
-    bool (*keeps_points)(const bat_curve_scheme *scheme);
-    /// How an open polygon goes on beyond its ends by BAT_CURVE_END_RULE_EXTRAPOLATE.
-    polygon_end (*end)(const bat_curve_scheme *scheme);
-    /// The scheme of the channels.
-    bat_curve_scheme (*channels)(const bat_curve_scheme *scheme);
     /// The step of a level; null where the curve is not made by levels but by the row's scheme_row::form.
     refine_kernel (*kernel)(const bat_space *space, const bat_curve_scheme *scheme);
 } scheme_kind;
@@ -34,10 +29,11 @@ const scheme_kind *scheme_kind_of(const bat_curve_scheme *scheme);
 refine_kernel scheme_kernel(const bat_space *space, const bat_curve_scheme *scheme);
 
 /// Whether a checked scheme keeps the given points.
-static inline bool scheme_keeps_points(const bat_curve_scheme *scheme)
-{
-    return scheme_kind_of(scheme)->keeps_points(scheme);
-}
+bool scheme_keeps_points(const bat_curve_scheme *scheme);
+/// How an open polygon goes on beyond its ends by BAT_CURVE_END_RULE_EXTRAPOLATE.
+polygon_end scheme_end(const bat_curve_scheme *scheme);
+/// The scheme of the channels.
+bat_curve_scheme scheme_of_channels(const bat_curve_scheme *scheme);
 
 /// Whether a scheme makes level after level.
 static inline bool scheme_goes_by_levels(const bat_curve_scheme *scheme)
@@ -74,13 +70,14 @@ extern const spline_form spline_catmull_rom, spline_cubic, spline_quintic;
 bat_status spline_refine(const spline_form *form, const bat_curve *coarse, const refine_plan *plan, double *points,
                          double *channels, bat_error *error);
 
-/// A name: what it takes, and how the settings become a scheme.
+/// A name: what it takes, and the scheme that its settings make.
 typedef struct scheme_row
 {
     bat_choice choice;
     scheme_settings defaults;
     /// Check what the ranges of the scheme's fields do not tell; null for nothing.
     bat_status (*check)(const scheme_settings *settings, bat_error *error);
-    bat_curve_scheme (*make)(const scheme_settings *settings); ///< null for splines and the mask
-    const spline_form *form;                                   ///< of splines; null for other schemes
+    bat_curve_scheme_kind kind; ///< BAT_CURVE_SCHEME_KIND_AUTO: the learned scheme, or any mask
+    bat_mask (*mask)(double w); ///< null: by `order`, else by `r` and `s`
+    const spline_form *form;    ///< of splines; null for other schemes
 } scheme_row;

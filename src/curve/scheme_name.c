@@ -7,72 +7,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bat_curve_scheme make_chaikin(const scheme_settings *s BAT_UNUSED)
+static bat_mask mask_of(const scheme_row *row, const scheme_settings *s)
 {
-    return bat_curve_scheme_linear(bat_mask_chaikin());
+    return row->mask != NULL ? row->mask(s->w)
+           : s->order > 0    ? bat_mask_lane_riesenfeld((size_t)s->order)
+           : s->r > 0        ? bat_mask_corner_cutting(s->r, s->s)
+                             : (bat_mask){0};
 }
 
-static bat_curve_scheme make_corner_cutting(const scheme_settings *s)
+static bat_curve_scheme make(const scheme_row *row, const scheme_settings *s)
 {
-    return bat_curve_scheme_linear(bat_mask_corner_cutting(s->r, s->s));
-}
-
-static bat_curve_scheme make_four_point(const scheme_settings *s)
-{
-    return s->parameters == BAT_CURVE_PARAMETERS_UNIFORM ? bat_curve_scheme_linear(bat_mask_four_point(s->w))
-                                                         : bat_curve_scheme_four_point(s->parameters, s->w);
-}
-
-static bat_curve_scheme make_six_point(const scheme_settings *s)
-{
-    return bat_curve_scheme_linear(bat_mask_six_point(s->w));
-}
-
-static bat_curve_scheme make_lane_riesenfeld(const scheme_settings *s)
-{
-    return bat_curve_scheme_linear(bat_mask_lane_riesenfeld((size_t)s->order));
-}
-
-static bat_curve_scheme make_angle(const scheme_settings *s)
-{
-    bat_curve_scheme scheme = bat_curve_scheme_angle(s->mu);
-    scheme.sign = s->sign;
-    scheme.adaptive = s->adaptive;
-    scheme.turns = s->turns;
-    return scheme;
-}
-
-static bat_curve_scheme make_log_exp_4(const scheme_settings *s)
-{
-    bat_curve_scheme scheme = s->parameters == BAT_CURVE_PARAMETERS_UNIFORM
-                                  ? bat_curve_scheme_log_exp(bat_mask_four_point(s->w))
-                                  : bat_curve_scheme_four_point(s->parameters, s->w);
-    scheme.base = s->base;
-    return scheme;
-}
-
-static bat_curve_scheme make_log_exp_6(const scheme_settings *s)
-{
-    bat_curve_scheme scheme = bat_curve_scheme_log_exp(bat_mask_six_point(s->w));
-    scheme.base = s->base;
-    return scheme;
-}
-
-static bat_curve_scheme make_log_exp_lane_riesenfeld(const scheme_settings *s)
-{
-    bat_curve_scheme scheme = bat_curve_scheme_log_exp(bat_mask_lane_riesenfeld((size_t)s->order));
-    scheme.base = s->base;
-    return scheme;
-}
-
-static bat_curve_scheme make_geodesic(const scheme_settings *s)
-{
-    return bat_curve_scheme_geodesic((size_t)s->order);
-}
-
-static bat_curve_scheme make_learned(const scheme_settings *s)
-{
-    return bat_curve_scheme_learned(s->fairness);
+    bat_curve_scheme made = {.kind = row->kind,
+                             .tension = s->mu,
+                             .sign = s->sign,
+                             .adaptive = s->adaptive,
+                             .turns = s->turns,
+                             .base = s->base,
+                             .parameters = s->parameters,
+                             .spline = row->form != NULL ? &row->choice : NULL};
+    if (row->kind == BAT_CURVE_SCHEME_KIND_AUTO)
+        return bat_curve_scheme_learned(s->fairness);
+    if (row->form == NULL && s->parameters != BAT_CURVE_PARAMETERS_UNIFORM)
+    {
+        made.kind = BAT_CURVE_SCHEME_KIND_FOUR_POINT;
+        made.tension = s->w;
+    }
+    else
+        made.mask = mask_of(row, s);
+    return made;
 }
 
 static bat_status check_cuts(const scheme_settings *s, bat_error *error)
@@ -93,61 +55,68 @@ static bat_status check_order(const scheme_settings *s, bat_error *error)
 static const scheme_row ROWS[] = {
     {.choice = {.name = "chaikin",
                 .summary = "corner cutting at 1/4 and 3/4, the quadratic B-spline; any space, by geodesics"},
-     .make = make_chaikin},
+     .defaults = {.r = 0.25, .s = 0.75},
+     .kind = BAT_CURVE_SCHEME_KIND_LINEAR},
     {.choice = CHOICE_SET("corner-cutting", "r=0.25,s=0.75", "corner cutting at r and s; any space, by geodesics"),
      .defaults = {.r = 0.25, .s = 0.75},
      .check = check_cuts,
-     .make = make_corner_cutting},
+     .kind = BAT_CURVE_SCHEME_KIND_LINEAR},
     {.choice = CHOICE_SET("four-point", "w=0.0625,parameters=uniform", "interpolates, C1, reproduces cubics; R^n"),
      .defaults = {.w = BAT_MASK_FOUR_POINT_WEIGHT},
-     .make = make_four_point},
+     .kind = BAT_CURVE_SCHEME_KIND_LINEAR,
+     .mask = bat_mask_four_point},
     {.choice = CHOICE_SET("six-point", "w=0.01171875", "interpolates, C2, reproduces quintics; R^n"),
      .defaults = {.w = BAT_MASK_SIX_POINT_WEIGHT},
-     .make = make_six_point},
+     .kind = BAT_CURVE_SCHEME_KIND_LINEAR,
+     .mask = bat_mask_six_point},
     {.choice = CHOICE_SET("lane-riesenfeld", "order=3", "the B-spline of degree `order`; any space, by geodesics"),
      .defaults = {.order = 3},
      .check = check_order,
-     .make = make_lane_riesenfeld},
+     .kind = BAT_CURVE_SCHEME_KIND_LINEAR},
     {.choice = CHOICE_SET("mask", "a,b,c,…@first", "any mask, coefficients as numbers or fractions; R^n")},
     {.choice = CHOICE_SET("angle-4", "sign=outward,adaptive=0,turns=0",
                           "interpolates by exterior angles, tension 0; plane, sphere, disk"),
-     .make = make_angle},
+     .kind = BAT_CURVE_SCHEME_KIND_ANGLE},
     {.choice = CHOICE_SET("angle-6", "sign=outward,adaptive=0,turns=0",
                           "interpolates by exterior angles, tension -1/4; plane, sphere, disk"),
      .defaults = {.mu = BAT_CURVE_TENSION_SIX_POINT},
-     .make = make_angle},
+     .kind = BAT_CURVE_SCHEME_KIND_ANGLE},
     {.choice = CHOICE_SET("angle", "mu=0,sign=outward,adaptive=0,turns=0",
                           "interpolates by exterior angles, any tension; plane, sphere, disk"),
-     .make = make_angle},
+     .kind = BAT_CURVE_SCHEME_KIND_ANGLE},
     {.choice = CHOICE_SET("log-exp-4", "w=0.0625,base=vertex,parameters=uniform",
                           "the four-point scheme in tangent spaces; any space"),
      .defaults = {.w = BAT_MASK_FOUR_POINT_WEIGHT},
-     .make = make_log_exp_4},
+     .kind = BAT_CURVE_SCHEME_KIND_LOG_EXP,
+     .mask = bat_mask_four_point},
     {.choice = CHOICE_SET("log-exp-6", "w=0.01171875,base=vertex", "the six-point scheme in tangent spaces; any space"),
      .defaults = {.w = BAT_MASK_SIX_POINT_WEIGHT},
-     .make = make_log_exp_6},
+     .kind = BAT_CURVE_SCHEME_KIND_LOG_EXP,
+     .mask = bat_mask_six_point},
     {.choice = CHOICE_SET("log-exp-lane-riesenfeld", "order=3,base=vertex",
                           "the B-spline of degree `order` in tangent spaces; any space"),
      .defaults = {.order = 3},
      .check = check_order,
-     .make = make_log_exp_lane_riesenfeld},
+     .kind = BAT_CURVE_SCHEME_KIND_LOG_EXP},
     {.choice = CHOICE_SET("geodesic", "order=3", "Lane-Riesenfeld by midpoints of geodesics; any space"),
      .defaults = {.order = 3},
      .check = check_order,
-     .make = make_geodesic},
+     .kind = BAT_CURVE_SCHEME_KIND_GEODESIC},
     {.choice = CHOICE_SET("catmull-rom", "parameters=centripetal", "interpolates by a C1 spline of local cubics; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CENTRIPETAL},
+     .kind = BAT_CURVE_SCHEME_KIND_SPLINE,
      .form = &spline_catmull_rom},
     {.choice = CHOICE_SET("cubic", "parameters=chordal", "interpolates by the cubic spline, C2 in R^n; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CHORDAL},
+     .kind = BAT_CURVE_SCHEME_KIND_SPLINE,
      .form = &spline_cubic},
     {.choice = CHOICE_SET("quintic", "parameters=chordal", "interpolates by a quintic Hermite spline, C2 in R^n; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CHORDAL},
+     .kind = BAT_CURVE_SCHEME_KIND_SPLINE,
      .form = &spline_quintic},
     {.choice = CHOICE_SET("learned", "fairness=0.25",
                           "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk"),
-     .defaults = {.fairness = 0.25},
-     .make = make_learned},
+     .defaults = {.fairness = 0.25}},
 };
 const bat_family bat_curve_scheme_family = FAMILY("scheme", ROWS);
 
@@ -211,7 +180,7 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
     const scheme_row *row = (const scheme_row *)(const void *)choice_find(&bat_curve_scheme_family, name, length);
     if (row == NULL)
         return ERROR_ARGUMENT(error, "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
-    if (row->make == NULL && row->form == NULL)
+    if (strcmp(row->choice.name, "mask") == 0)
         return read_mask(text, scheme, error);
     scheme_settings s = row->defaults;
     bat_status status = settings_read(&row->choice, text, SETTINGS, sizeof SETTINGS / sizeof *SETTINGS, &s, error);
@@ -219,9 +188,7 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
         status = row->check(&s, error);
     if (status != BAT_OK)
         return status;
-    bat_curve_scheme made = {.kind = BAT_CURVE_SCHEME_KIND_SPLINE, .parameters = s.parameters, .spline = &row->choice};
-    if (row->make != NULL)
-        made = row->make(&s);
+    bat_curve_scheme made = make(row, &s);
     status = bat_curve_scheme_check(&made, error);
     if (status == BAT_OK)
         *scheme = made;
