@@ -237,11 +237,11 @@ bat_status spline_refine(const spline_form *form, const bat_curve *coarse, const
     s.dim = rows.space.point_dim;
     s.tangent_dim = rows.space.tangent_dim;
     s.edges = polygon_edges(s.count, coarse->closed);
-    s.rows = memory_array(s.count * s.dim, sizeof *s.rows);
-    s.derivatives = memory_array(s.count * (form->degree / 2) * s.tangent_dim, sizeof *s.derivatives);
-    s.increments = memory_array(s.count, sizeof *s.increments);
-    if (s.rows == NULL || s.derivatives == NULL || s.increments == NULL)
-        status = error_memory(error, s.count * (s.dim + s.tangent_dim + 1) * sizeof(double));
+    memory_pool pool = {0};
+    s.rows = memory_pool_array(&pool, s.count, s.dim * sizeof *s.rows);
+    s.derivatives = memory_pool_array(&pool, s.count, (form->degree / 2) * s.tangent_dim * sizeof *s.derivatives);
+    s.increments = memory_pool_array(&pool, s.count, sizeof *s.increments);
+    status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         rows_join(coarse, s.channel_count, s.rows);
@@ -251,9 +251,7 @@ bat_status spline_refine(const spline_form *form, const bat_curve *coarse, const
         status = find_derivatives(&s, &plan->options, error);
     if (status == BAT_OK)
         status = evaluate(&s, plan, points, channels, error);
-    free(s.rows);
-    free(s.derivatives);
-    free(s.increments);
+    memory_pool_free(&pool);
     return status;
 }
 

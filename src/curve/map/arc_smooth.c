@@ -112,12 +112,11 @@ bat_status arcs_smooth(arc_graph *graph, const bat_curve_refine_options *options
 {
     size_t count = graph->arc_count;
     smooth_job job = {.graph = graph, .options = options, .chart = chart};
-    job.given = memory_array(count, sizeof *job.given);
-    job.backs = calloc(count, sizeof *job.backs);
-    job.noises = memory_array(count, sizeof *job.noises);
-    bat_status status = BAT_OK;
-    if (job.given == NULL || job.backs == NULL || job.noises == NULL)
-        status = error_memory(error, count * sizeof *job.backs);
+    memory_pool pool = {0};
+    job.given = memory_pool_array(&pool, count, sizeof *job.given);
+    job.backs = memory_pool_zeros(&pool, count, sizeof *job.backs);
+    job.noises = memory_pool_array(&pool, count, sizeof *job.noises);
+    bat_status status = memory_pool_check(&pool, error);
     for (size_t a = 0; a < count && status == BAT_OK; a++)
     {
         status = smooth_back_make(&graph->arcs[a], &job.backs[a], error);
@@ -131,9 +130,7 @@ bat_status arcs_smooth(arc_graph *graph, const bat_curve_refine_options *options
         smooth_report(&job.given[a], graph->arcs[a].points, job.noises[a], report);
     for (size_t a = 0; a < count && job.backs != NULL; a++)
         smooth_back_free(&job.backs[a]);
-    free(job.given);
-    free(job.backs);
-    free(job.noises);
+    memory_pool_free(&pool);
     met_edges_free(&job.met);
     return status;
 }

@@ -52,13 +52,13 @@ typedef struct snap_job
     snapped_curves *result;
 } snap_job;
 
-static bool grid_make(size_t dim, double cell, size_t count, cell_grid *grid)
+static void grid_make(size_t dim, double cell, size_t count, memory_pool *pool, cell_grid *grid)
 {
     size_t size = 2;
     while (size < count)
         size *= 2;
-    *grid = (cell_grid){.dim = dim, .cell = cell, .mask = size - 1, .heads = calloc(size, sizeof *grid->heads)};
-    return grid->heads != NULL;
+    *grid = (cell_grid){.dim = dim, .cell = cell, .mask = size - 1};
+    grid->heads = memory_pool_zeros(pool, size, sizeof *grid->heads);
 }
 
 static size_t cell_hash(const cell_grid *grid, const double *cell)
@@ -498,12 +498,11 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
     job.sphere = space_is_sphere(curves[0].space);
     for (size_t i = 0; i < count; i++)
         job.point_count += curves[i].count;
-    job.first = memory_array(count, sizeof *job.first);
-    job.points = memory_array(job.point_count, sizeof *job.points);
-    job.targets = memory_array(job.point_count, sizeof *job.targets);
-    bat_status status = BAT_OK;
-    if (job.first == NULL || job.points == NULL || job.targets == NULL)
-        status = error_memory(error, job.point_count * sizeof *job.points);
+    memory_pool pool = {0};
+    job.first = memory_pool_array(&pool, count, sizeof *job.first);
+    job.points = memory_pool_array(&pool, job.point_count, sizeof *job.points);
+    job.targets = memory_pool_array(&pool, job.point_count, sizeof *job.targets);
+    bat_status status = memory_pool_check(&pool, error);
     for (size_t c = 0, at = 0; c < count && status == BAT_OK; c++)
     {
         job.first[c] = at;
@@ -514,8 +513,8 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
     {
         job.tolerance = fmax(tolerance, default_tolerance(&job));
         double cell = job.tolerance * (tolerance > 0 ? CELL_TOLERANCES : CELL_ROUNDINGS);
-        if (!grid_make(job.dim, cell, job.point_count, &job.grid))
-            status = error_memory(error, job.point_count * sizeof(size_t));
+        grid_make(job.dim, cell, job.point_count, &pool, &job.grid);
+        status = memory_pool_check(&pool, error);
     }
     if (status == BAT_OK && job.tolerance > 0)
         status = join_points(&job, error);
@@ -535,12 +534,9 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
             status = error_memory(error, snapped->curves[c].count * sizeof(size_t));
     chart_curves_free(&job.charts);
     free(job.added);
-    free(job.grid.heads);
     free(job.grid.items);
     free(job.grid.next);
-    free(job.first);
-    free(job.points);
-    free(job.targets);
+    memory_pool_free(&pool);
     return status;
 }
 

@@ -426,12 +426,11 @@ static bat_status cut_lines(topology_writer *writer)
 {
     const bat_space space = {.point_dim = sizeof(topology_point) / sizeof(double)};
     size_t count = writer->line_count;
-    bat_curve *curves = memory_array(count, sizeof *curves);
-    unsigned char **corners = memory_array(count, sizeof *corners);
-    unsigned char *first = calloc(writer->point_count + 1, 1);
-    bat_status status = BAT_OK;
-    if (curves == NULL || corners == NULL || first == NULL)
-        status = error_memory(writer->error, writer->point_count + count * sizeof *curves);
+    memory_pool pool = {0};
+    bat_curve *curves = memory_pool_array(&pool, count, sizeof *curves);
+    unsigned char **corners = memory_pool_array(&pool, count, sizeof *corners);
+    unsigned char *first = memory_pool_zeros(&pool, writer->point_count + 1, 1);
+    bat_status status = memory_pool_check(&pool, writer->error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         const topology_line *line = &writer->lines[i];
@@ -442,9 +441,7 @@ static bat_status cut_lines(topology_writer *writer)
     }
     if (status == BAT_OK)
         status = arc_graph_make(curves, count, corners, false, &writer->graph, writer->error);
-    free(curves);
-    free(corners);
-    free(first);
+    memory_pool_free(&pool);
     return status;
 }
 
