@@ -337,44 +337,31 @@ bat_status multifrontal_factor(multifrontal *solver, const double *lower, const 
     return BAT_OK;
 }
 
-/// x = L^-1 x for the pivots of a front, subtracted from its other rows.
+/// Forward x = L^-1 x for the pivots of a front, subtracted from its other rows; backward x = U^-1 x, from its other rows.
 /// @param x    columns of `count` numbers, in order of elimination
 /// @param part room for the front's rows
-static void solve_forward(const multifrontal *solver, size_t f, size_t columns, double *x, double *part)
+static void solve_front(const multifrontal *solver, bool backward, size_t f, size_t columns, double *x, double *part)
 {
     const front_tree *tree = &solver->tree;
     size_t count = tree->count, pivots = (size_t)(tree->pivot_first[f + 1] - tree->pivot_first[f]);
     size_t below = rows_below(tree, f), rows = pivots + below;
-    const double *panel = solver->panels[0] + tree->panel_first[f];
+    const double *panel = solver->panels[backward ? solver->sides - 1 : 0] + tree->panel_first[f];
     const int *row = tree->rows + tree->row_first[f];
     double *own = x + tree->pivot_first[f];
-    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, (int)pivots, (int)columns, 1, panel,
-                (int)rows, own, (int)count);
-    if (below > 0)
-        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)below, (int)columns, (int)pivots, 1, panel + pivots,
-                    (int)rows, own, (int)count, 0, part, (int)below);
-    for (size_t c = 0; c < columns; c++)
-        for (size_t i = 0; i < below; i++)
-            x[c * count + (size_t)row[i]] -= part[c * below + i];
-}
-
-/// x = U^-1 x for the pivots of a front, from its other rows.
-static void solve_backward(const multifrontal *solver, size_t f, size_t columns, double *x, double *part)
-{
-    const front_tree *tree = &solver->tree;
-    size_t count = tree->count, pivots = (size_t)(tree->pivot_first[f + 1] - tree->pivot_first[f]);
-    size_t below = rows_below(tree, f), rows = pivots + below;
-    const double *panel = solver->panels[solver->sides - 1] + tree->panel_first[f];
-    const int *row = tree->rows + tree->row_first[f];
-    double *own = x + tree->pivot_first[f];
-    for (size_t c = 0; c < columns; c++)
+    for (size_t c = 0; c < columns && backward; c++)
         for (size_t i = 0; i < below; i++)
             part[c * below + i] = x[c * count + (size_t)row[i]];
-    if (below > 0)
+    if (below > 0 && backward)
         cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)pivots, (int)columns, (int)below, -1, panel + pivots,
                     (int)rows, part, (int)below, 1, own, (int)count);
-    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, (int)pivots, (int)columns, 1, panel,
-                (int)rows, own, (int)count);
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, backward ? CblasTrans : CblasNoTrans, CblasNonUnit, (int)pivots,
+                (int)columns, 1, panel, (int)rows, own, (int)count);
+    if (below > 0 && !backward)
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)below, (int)columns, (int)pivots, 1, panel + pivots,
+                    (int)rows, own, (int)count, 0, part, (int)below);
+    for (size_t c = 0; c < columns && !backward; c++)
+        for (size_t i = 0; i < below; i++)
+            x[c * count + (size_t)row[i]] -= part[c * below + i];
 }
 
 bat_status multifrontal_solve(const multifrontal *solver, size_t columns, double *x, bat_error *error)
@@ -389,9 +376,9 @@ bat_status multifrontal_solve(const multifrontal *solver, size_t columns, double
             ordered[c * count + k] = x[(size_t)tree->order[k] * columns + c];
     blas_single_begin();
     for (size_t f = 0; f < tree->fronts; f++)
-        solve_forward(solver, f, columns, ordered, part);
+        solve_front(solver, false, f, columns, ordered, part);
     for (size_t f = tree->fronts; f-- > 0;)
-        solve_backward(solver, f, columns, ordered, part);
+        solve_front(solver, true, f, columns, ordered, part);
     blas_single_end();
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < columns; c++)
