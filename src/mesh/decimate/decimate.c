@@ -202,19 +202,12 @@ static void update_sums(decimation *all)
     }
 }
 
-/// Whether the error of an edge is that of the present mesh.
-static bool is_current(const decimation *all, uint32_t edge)
-{
-    if (all->changed == NULL)
-        return true;
-    uint32_t h = all->mesh.half_edge[edge], a = all->mesh.corner[h], b = all->mesh.corner[bat_mesh_next(h)];
-    return all->changed[a] <= all->computed[edge] && all->changed[b] <= all->computed[edge];
-}
-
-/// Whether an edge that left the queue still comes first. Else its error is computed again, and it goes back.
+/// Whether an edge that left the queue still comes first: its error is that of the present mesh. Else it is computed again,
+/// and the edge goes back.
 static bool comes_first(decimation *all, uint32_t edge)
 {
-    if (is_current(all, edge))
+    uint32_t h = all->mesh.half_edge[edge], a = all->mesh.corner[h], b = all->mesh.corner[bat_mesh_next(h)];
+    if (all->changed == NULL || (all->changed[a] <= all->computed[edge] && all->changed[b] <= all->computed[edge]))
         return true;
     update_error(all, edge);
     return false;
@@ -562,21 +555,16 @@ static const double SHRINK = 0.98;
 
 static const bat_choice METHODS[] = {
     CHOICE_OF_USE(UNNAMED, "auto", "balanced", BAT_MESH_DECIMATE_METHOD_AUTO),
-    {.name = "quadric",
-     .value = BAT_MESH_DECIMATE_METHOD_QUADRIC,
-     .summary = "squared distances from the planes of the given faces (Garland and Heckbert)"},
-    {.name = "memoryless",
-     .value = BAT_MESH_DECIMATE_METHOD_MEMORYLESS,
-     .summary = "squared volumes to the present faces, at preserved volume (Lindstrom and Turk)"},
-    {.name = "fast",
-     .value = BAT_MESH_DECIMATE_METHOD_FAST,
-     .summary = "quadric errors in sweeps to six times the target, then memoryless errors"},
-    {.name = "even",
-     .value = BAT_MESH_DECIMATE_METHOD_EVEN,
-     .summary = "memoryless errors twice, the second time within three fifths of the greatest distance"},
-    {.name = "balanced",
-     .value = BAT_MESH_DECIMATE_METHOD_BALANCED,
-     .summary = "quadric errors in sweeps to eight times the target, then memoryless errors"},
+    CHOICE("quadric", "squared distances from the planes of the given faces (Garland and Heckbert)",
+           BAT_MESH_DECIMATE_METHOD_QUADRIC),
+    CHOICE("memoryless", "squared volumes to the present faces, at preserved volume (Lindstrom and Turk)",
+           BAT_MESH_DECIMATE_METHOD_MEMORYLESS),
+    CHOICE("fast", "quadric errors in sweeps to six times the target, then memoryless errors",
+           BAT_MESH_DECIMATE_METHOD_FAST),
+    CHOICE("even", "memoryless errors twice, the second time within three fifths of the greatest distance",
+           BAT_MESH_DECIMATE_METHOD_EVEN),
+    CHOICE("balanced", "quadric errors in sweeps to eight times the target, then memoryless errors",
+           BAT_MESH_DECIMATE_METHOD_BALANCED),
 };
 const bat_family bat_mesh_decimate_method_family = FAMILY("decimation method", METHODS);
 
