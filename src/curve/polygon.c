@@ -12,17 +12,11 @@
 /// it from the centre of a symmetric space are exchanged.
 static bat_status reflect(const bat_space *space, const double *centre, const double *q, double *image)
 {
-    double tangent[BAT_SPACE_MAX_DIM];
-    bat_status status = space->log(space, centre, q, tangent);
-    if (status == BAT_CUT_LOCUS)
-    {
-        memcpy(image, q, space->point_dim * sizeof *q);
-        return BAT_OK;
-    }
-    if (status != BAT_OK)
+    bat_status status = space_geodesic(space, centre, q, -1, image);
+    if (status != BAT_CUT_LOCUS)
         return status;
-    vector_scale(space->tangent_dim, -1, tangent);
-    return space->exp(space, centre, tangent, image);
+    memcpy(image, q, space->point_dim * sizeof *q);
+    return BAT_OK;
 }
 
 /// The mirror image of q in the perpendicular bisector of the edge from p to next.

@@ -143,6 +143,19 @@ static inline double vector3_distance(const double a[3], const double b[3])
     return vector3_length(difference);
 }
 
+/// The squared chord between two points.
+static inline double chord_square(const double *p, const double *q)
+{
+    double dx = q[0] - p[0], dy = q[1] - p[1], dz = q[2] - p[2];
+    return dx * dx + dy * dy + dz * dz;
+}
+
+/// The angle between two points of the sphere, accurate when they are near.
+static inline double chord_angle(const double *p, const double *q)
+{
+    return 2 * atan2(sqrt(chord_square(p, q)), sqrt(chord_square(p, (double[3]){-q[0], -q[1], -q[2]})));
+}
+
 // Boxes along the axes of n dimensions, from `low` to `high`.
 
 /// Make a box empty: every point widens it.

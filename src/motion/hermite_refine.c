@@ -2,8 +2,8 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "curve/plan.h"
-#include "linalg/vector.h"
 #include "motion/hermite_average.h"
+#include "space/builtin.h"
 
 #include <string.h>
 
@@ -112,10 +112,7 @@ static bat_status reflect_row(const hermite_plan *plan, const double *centre, co
     const bat_space *space = plan->coarse->space;
     size_t n = plan->point_dim;
     double tangent[BAT_SPACE_MAX_DIM];
-    bat_status status = space->log(space, centre, row, tangent);
-    vector_scale(plan->tangent_dim, -1, tangent);
-    if (status == BAT_OK)
-        status = space->exp(space, centre, tangent, image);
+    bat_status status = space_geodesic(space, centre, row, -1, image);
     if (status == BAT_OK)
         status = space->transport(space, row, centre, row + n, tangent);
     if (status == BAT_OK)

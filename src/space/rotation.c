@@ -143,11 +143,6 @@ static double largest_off_orthogonal(const double *m)
     return largest;
 }
 
-static double determinant(const double *m)
-{
-    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
-}
-
 /// Of length 1, its scalar part positive.
 static void take_quaternion(const double *from, double *quaternion)
 {
@@ -164,7 +159,7 @@ bat_status bat_rotation_from_matrix(const double *m, double *quaternion, bat_err
         return matrix_fault(error, "not finite");
     if (!(largest_off_orthogonal(m) <= ORTHOGONALITY_TOLERANCE))
         return matrix_fault(error, "not orthogonal");
-    if (determinant(m) < 0)
+    if (vector3_determinant(m, m + 3, m + 6) < 0)
         return matrix_fault(error, "a reflection: its determinant is -1");
     double outer[4][4] = {{1 + m[0] + m[4] + m[8], m[7] - m[5], m[2] - m[6], m[3] - m[1]},
                           {m[7] - m[5], 1 + m[0] - m[4] - m[8], m[1] + m[3], m[2] + m[6]},

@@ -123,19 +123,6 @@ static inline void view_rotate(const draw_view *view, const double *point, doubl
     }
 }
 
-/// The squared chord between two points.
-static inline double chord_square(const double *p, const double *q)
-{
-    double dx = q[0] - p[0], dy = q[1] - p[1], dz = q[2] - p[2];
-    return dx * dx + dy * dy + dz * dz;
-}
-
-/// The angle between two points of the sphere, accurate when they are near.
-static inline double chord_angle(const double *p, const double *q)
-{
-    return 2 * atan2(sqrt(chord_square(p, q)), sqrt(chord_square(p, (double[3]){-q[0], -q[1], -q[2]})));
-}
-
 static inline double view_x(const draw_view *view, double u)
 {
     return view->origin_x + view->scale * u;

@@ -1,4 +1,5 @@
 #include "io/curve/geojson_shape.h"
+#include "linalg/vector.h"
 
 #include <assert.h>
 
@@ -212,17 +213,6 @@ bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
     for (size_t i = 0; i < (curve->closed ? curve->count : curve->count - 1); i++)
         curve->cut_count += crosses(grid, curve, i);
     return true;
-}
-
-static double chord_angle(const double *p, const double *q)
-{
-    double difference = 0.0, sum = 0.0;
-    for (int k = 0; k < 3; k++)
-    {
-        difference += (p[k] - q[k]) * (p[k] - q[k]);
-        sum += (p[k] + q[k]) * (p[k] + q[k]);
-    }
-    return 2.0 * atan2(sqrt(difference), sqrt(sum));
 }
 
 /// The intersection of the edge from a vertex to the next with the antimeridian, on the vertex's side. On the arc from p to

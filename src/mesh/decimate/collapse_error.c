@@ -302,13 +302,6 @@ static void add_constraint(constraints *all, const double *row, double right, do
     all->right[all->count++] = scale * right;
 }
 
-static void multiply(const quadric *q, const double *d, double *product)
-{
-    product[0] = q->xx * d[0] + q->xy * d[1] + q->xz * d[2];
-    product[1] = q->xy * d[0] + q->yy * d[1] + q->yz * d[2];
-    product[2] = q->xz * d[0] + q->yz * d[1] + q->zz * d[2];
-}
-
 /// Add the equations that minimize d^T A d + 2 b^T d within the constraints that are there (1998, section 4.2).
 static void add_minimum(constraints *all, const quadric *q)
 {
@@ -338,7 +331,7 @@ static void add_minimum(constraints *all, const quadric *q)
         vector3_cross(all->row[0], all->row[1], direction[0]);
     for (int k = 0; k < directions; k++)
     {
-        multiply(q, direction[k], row);
+        quadric_multiply(q, direction[k], row);
         add_constraint(all, row, -vector3_dot(direction[k], gradient), smallest);
     }
 }
@@ -434,8 +427,8 @@ static quadric faces_of_edge(const collapse_mesh *mesh, const error_vertex *vert
     uint32_t h = mesh->half_edge[edge];
     const error_vertex *a = &vertices[mesh->corner[h]], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
     double of_a[3], of_b[3], along[3], aside[3], normal[3];
-    multiply(&a->planes, half, of_a);
-    multiply(&b->planes, half, of_b);
+    quadric_multiply(&a->planes, half, of_a);
+    quadric_multiply(&b->planes, half, of_b);
     quadric sum = quadric_sum(&a->planes, &b->planes);
     sum.x = of_a[0] - of_b[0];
     sum.y = of_a[1] - of_b[1];
@@ -463,8 +456,8 @@ static bool minimize_in_plane(const quadric *q, const double *normal, double rig
     const double axis[3] = {fabs(normal[0]) < fabs(normal[1]), !(fabs(normal[0]) < fabs(normal[1])), 0};
     vector3_cross(normal, axis, u);
     vector3_cross(normal, u, v);
-    multiply(q, u, qu);
-    multiply(q, v, qv);
+    quadric_multiply(q, u, qu);
+    quadric_multiply(q, v, qv);
     double uu = vector3_dot(u, qu), uv = vector3_dot(u, qv), vv = vector3_dot(v, qv), determinant = uu * vv - uv * uv,
            trace = uu + vv / square;
     if (!(determinant > SQUARED_SINE * square * trace * trace && trace > GRADIENT_ROUNDING * quadric_weight(q) * square))

@@ -28,21 +28,30 @@ static inline void quadric_add_plane(quadric *sum, const double *normal, double 
     sum->zz += weight * normal[2] * normal[2];
 }
 
+/// A d.
+static inline void quadric_multiply(const quadric *q, const double *d, double *product)
+{
+    product[0] = q->xx * d[0] + q->xy * d[1] + q->xz * d[2];
+    product[1] = q->xy * d[0] + q->yy * d[1] + q->yz * d[2];
+    product[2] = q->xz * d[0] + q->yz * d[1] + q->zz * d[2];
+}
+
 static inline double quadric_error(const quadric *q, const double *d)
 {
-    double x = q->xx * d[0] + q->xy * d[1] + q->xz * d[2] + 2 * q->x;
-    double y = q->xy * d[0] + q->yy * d[1] + q->yz * d[2] + 2 * q->y;
-    double z = q->xz * d[0] + q->yz * d[1] + q->zz * d[2] + 2 * q->z;
-    return q->constant + d[0] * x + d[1] * y + d[2] * z;
+    double p[3];
+    quadric_multiply(q, d, p);
+    return q->constant + d[0] * (p[0] + 2 * q->x) + d[1] * (p[1] + 2 * q->y) + d[2] * (p[2] + 2 * q->z);
 }
 
 /// The same sum about the centre + d.
 static inline quadric quadric_moved(const quadric *q, const double *d)
 {
     quadric moved = *q;
-    moved.x += q->xx * d[0] + q->xy * d[1] + q->xz * d[2];
-    moved.y += q->xy * d[0] + q->yy * d[1] + q->yz * d[2];
-    moved.z += q->xz * d[0] + q->yz * d[1] + q->zz * d[2];
+    double p[3];
+    quadric_multiply(q, d, p);
+    moved.x += p[0];
+    moved.y += p[1];
+    moved.z += p[2];
     moved.constant = quadric_error(q, d);
     return moved;
 }

@@ -38,10 +38,7 @@ void closest_free(closest_tree *tree)
 
 double closest_largest(const double *values, size_t count, double min)
 {
-    double largest = min;
-    for (size_t i = 0; i < count; i++)
-        largest = fabs(values[i]) > largest ? fabs(values[i]) : largest;
-    return largest;
+    return fmax(min, vector_largest(count, values));
 }
 
 double closest_scale(double largest)
