@@ -137,7 +137,6 @@ void bat_motion_spline_free(bat_motion_spline *spline)
         return;
     free(spline->factors);
     memory_pool_free(&spline->pool);
-    spline_timing_free(&spline->timing);
     free(spline);
 }
 
@@ -752,7 +751,7 @@ static bat_status limit_times(bat_motion_spline *spline, const bat_motion_spline
         return BAT_OK;
     size_t n = spline->space.tangent_dim;
     timing_path path = {spline->intervals, is_closed(spline), spline->times, rates_at, spline};
-    bat_status status = spline_timing_make(&path, &limits, &spline->timing, error);
+    bat_status status = spline_timing_make(&path, &limits, &spline->pool, &spline->timing, error);
     if (status != BAT_OK)
         return status;
     for (size_t k = 0; k < spline->count; k++)

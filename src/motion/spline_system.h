@@ -327,9 +327,10 @@ typedef struct spline_timing
 /// By the reachability passes of Pham and Pham (A new approach to time-optimal path parameterization based on reachability
 /// analysis, IEEE Transactions on Robotics 34, 2018), with the lengths of accelerations as cones, which hold within cells.
 ///
+/// @param pool of the arrays of `timing`
 /// @return BAT_OK, BAT_NO_MEMORY, or the failure of `rates`
-bat_status spline_timing_make(const timing_path *path, const timing_limits *limits, spline_timing *timing, bat_error *error);
-void spline_timing_free(spline_timing *timing);
+bat_status spline_timing_make(const timing_path *path, const timing_limits *limits, memory_pool *pool, spline_timing *timing,
+                              bat_error *error);
 
 /// The share of an interval at a new time within it, and its two derivatives.
 double spline_timing_share(const spline_timing *timing, size_t interval, double time, double *rate, double *slope);

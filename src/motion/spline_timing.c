@@ -286,7 +286,8 @@ static bat_status fill(const timing_work *work, double stretch, spline_timing *t
     return BAT_OK;
 }
 
-bat_status spline_timing_make(const timing_path *path, const timing_limits *limits, spline_timing *timing, bat_error *error)
+bat_status spline_timing_make(const timing_path *path, const timing_limits *limits, memory_pool *pool, spline_timing *timing,
+                              bat_error *error)
 {
     size_t cells = CELLS / path->intervals;
     cells = cells < MIN_CELLS ? MIN_CELLS : cells > MAX_CELLS ? MAX_CELLS : cells;
@@ -297,11 +298,11 @@ bat_status spline_timing_make(const timing_path *path, const timing_limits *limi
     work.reach = memory_pool_array(&work.pool, work.count + 1, sizeof(double));
     work.y = memory_pool_array(&work.pool, work.count + 1, sizeof(double));
     *timing = (spline_timing){.cells = cells,
-                              .times = memory_array(work.count + 1, sizeof(double)),
-                              .rates = memory_array(work.count, 2 * sizeof(double))};
+                              .times = memory_pool_array(pool, work.count + 1, sizeof(double)),
+                              .rates = memory_pool_array(pool, work.count, 2 * sizeof(double))};
     bat_status status = memory_pool_check(&work.pool, error);
-    if (status == BAT_OK && (timing->times == NULL || timing->rates == NULL))
-        status = error_memory(error, work.count * 3 * sizeof(double));
+    if (status == BAT_OK)
+        status = memory_pool_check(pool, error);
     for (size_t cell = 0; status == BAT_OK && cell < work.count; cell++)
         work.scales[cell] = 1;
     double stretch = 1;
@@ -314,16 +315,7 @@ bat_status spline_timing_make(const timing_path *path, const timing_limits *limi
                                   : error_set(error, status, BAT_NO_INDEX, 0, "the motion leaves its space");
     }
     memory_pool_free(&work.pool);
-    if (status != BAT_OK)
-        spline_timing_free(timing);
     return status;
-}
-
-void spline_timing_free(spline_timing *timing)
-{
-    free(timing->times);
-    free(timing->rates);
-    *timing = (spline_timing){0};
 }
 
 double spline_timing_share(const spline_timing *timing, size_t interval, double time, double *rate, double *slope)
