@@ -33,6 +33,15 @@ static inline double vector_square(size_t n, const double *v)
     return vector_dot(n, v, v);
 }
 
+/// The distance of two points.
+static inline double vector_distance(size_t n, const double *p, const double *q)
+{
+    double square = 0;
+    for (size_t i = 0; i < n; i++)
+        square += (p[i] - q[i]) * (p[i] - q[i]);
+    return sqrt(square);
+}
+
 /// The largest absolute value.
 static inline double vector_largest(size_t n, const double *v)
 {
@@ -135,12 +144,9 @@ static inline double vector3_angle(const double a[3], const double b[3])
     return atan2(vector3_length(product), vector3_dot(a, b));
 }
 
-/// The distance of two points.
 static inline double vector3_distance(const double a[3], const double b[3])
 {
-    double difference[3];
-    vector3_subtract(a, b, difference);
-    return vector3_length(difference);
+    return vector_distance(3, a, b);
 }
 
 /// The squared chord between two points.

@@ -78,14 +78,6 @@ static bool grid_add(cell_grid *grid, const double *cell, size_t item)
     return true;
 }
 
-static double distance(const snap_job *job, const double *p, const double *q)
-{
-    double square = 0;
-    for (size_t c = 0; c < job->dim; c++)
-        square += (p[c] - q[c]) * (p[c] - q[c]);
-    return sqrt(square);
-}
-
 /// The point within the tolerance that is nearest to point `i`, among those that stay; the first of equally near ones.
 static size_t nearest_point(const snap_job *job, size_t i)
 {
@@ -112,7 +104,7 @@ static size_t nearest_point(const snap_job *job, size_t i)
         for (size_t entry = grid->heads[cell_hash(grid, cell)]; entry != 0 && grid->count > 0; entry = grid->next[entry - 1])
         {
             size_t other = grid->items[entry - 1];
-            double d = distance(job, point, job->points[other]);
+            double d = vector_distance(job->dim, point, job->points[other]);
             if (d < least || (d == least && other < best))
             {
                 least = d;
@@ -146,7 +138,7 @@ static bat_status join_points(snap_job *job, bat_error *error)
         job->targets[i] = target;
         if (target != i)
         {
-            double way = distance(job, job->points[i], job->points[target]);
+            double way = vector_distance(job->dim, job->points[i], job->points[target]);
             job->result->moved += way > 0;
             job->result->largest = fmax(job->result->largest, way);
             continue;

@@ -175,9 +175,7 @@ static inline unsigned disk_edge(const double *p, const double *q, edge_box *box
 /// An arc leaves its chord of length c by 1 - sqrt(1 - c^2 / 4) at most.
 static inline unsigned sphere_edge(const double *p, const double *q, edge_box *box)
 {
-    double square = 0;
-    for (int k = 0; k < 3; k++)
-        square += (q[k] - p[k]) * (q[k] - p[k]);
+    double square = chord_square(p, q);
     double root = 1 - 0.25 * square;
     double slack = 0.25 * square / (1 + sqrt(root > 0 ? root : 0)) + SPHERE_SLACK;
     unsigned directions = 0;

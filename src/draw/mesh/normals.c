@@ -41,15 +41,6 @@ static bool fans_make(const bat_mesh *mesh, fan_list *fans)
     return true;
 }
 
-/// The normal of a face, with twice its area as length.
-static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
-{
-    const uint32_t *corner = mesh->faces + 3 * face;
-    const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1];
-    const double *c = mesh->positions + 3 * (size_t)corner[2];
-    vector3_triangle(a, b, c, normal);
-}
-
 static void set_unit(const double normal[3], float unit[3])
 {
     double length = sqrt(vector3_dot(normal, normal));
@@ -64,7 +55,7 @@ static void corner_normal(const bat_mesh *mesh, const fan_list *fans, uint32_t v
     for (size_t i = fans->begin[vertex]; i < fans->begin[vertex + 1]; i++)
     {
         double other[3];
-        face_normal(mesh, fans->faces[i], other);
+        vector3_face(mesh->positions, mesh->faces + 3 * (size_t)fans->faces[i], other);
         if (vector3_dot(own, other) >= SMOOTH_COSINE * sqrt(size * vector3_dot(other, other)))
             vector_add(3, 1, other, sum);
     }
@@ -85,7 +76,7 @@ static bool has_other_face(const bat_mesh *mesh, const fan_list *fans, size_t fa
 static void describe_face(const bat_mesh *mesh, const fan_list *fans, bool flat, size_t face, mesh_surface *surface)
 {
     double own[3];
-    face_normal(mesh, face, own);
+    vector3_face(mesh->positions, mesh->faces + 3 * face, own);
     const uint32_t *corner = mesh->faces + 3 * face;
     surface->marks[face] = 0;
     for (size_t c = 0; c < 3; c++)
@@ -122,7 +113,7 @@ static void describe_polygons(const bat_mesh *mesh, const bat_mesh *polygons, bo
         double sum[3] = {0}, own[3];
         for (size_t f = face; f < end; f++)
         {
-            face_normal(mesh, f, own);
+            vector3_face(mesh->positions, mesh->faces + 3 * f, own);
             vector_add(3, 1, own, sum);
         }
         for (; face < end; face++)

@@ -78,14 +78,6 @@ static bat_status allocate_texture(const midpoint_mesh *split, texture_transfer 
     return BAT_OK;
 }
 
-static double length_of(const double *a, const double *b, size_t dimension)
-{
-    double square = 0;
-    for (size_t k = 0; k < dimension; k++)
-        square += (a[k] - b[k]) * (a[k] - b[k]);
-    return sqrt(square);
-}
-
 /// The texture coordinate at a point of a face.
 static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const double *barycentric)
 {
@@ -102,9 +94,9 @@ static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const doubl
     }
     for (size_t c = 0; c < 3; c++)
     {
-        double length = length_of(position[c], position[(c + 1) % 3], 3);
+        double length = vector_distance(3, position[c], position[(c + 1) % 3]);
         if (length > 0)
-            point.scale = fmax(point.scale, length_of(texture[c], texture[(c + 1) % 3], 2) / length);
+            point.scale = fmax(point.scale, vector_distance(2, texture[c], texture[(c + 1) % 3]) / length);
     }
     return point;
 }
@@ -112,8 +104,8 @@ static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const doubl
 /// Whether no seam separates two points.
 static bool is_continuous(const texture_point *a, const texture_point *b)
 {
-    return length_of(a->texture, b->texture, 2) <=
-           JUMP * fmax(a->scale, b->scale) * length_of(a->position, b->position, 3) + ON_EDGE;
+    return vector_distance(2, a->texture, b->texture) <=
+           JUMP * fmax(a->scale, b->scale) * vector_distance(3, a->position, b->position) + ON_EDGE;
 }
 
 /// The barycentric coordinates of a point in another face that contains it. False when it does not.
@@ -146,7 +138,7 @@ static texture_point texture_near(const texture_transfer *all, const bat_mesh_po
         if (barycentric_in(all->fine, point, h / 3, barycentric))
         {
             texture_point other = texture_at(all->fine, h / 3, barycentric);
-            if (length_of(other.texture, wanted, 2) < length_of(best.texture, wanted, 2))
+            if (vector_distance(2, other.texture, wanted) < vector_distance(2, best.texture, wanted))
                 best = other;
         }
         h = bat_mesh_next_around(&all->connectivity, h);

@@ -140,15 +140,14 @@ static double write_local(const double local[3], double least, double frame[3][3
                           unsigned char *pixel)
 {
     double up = fmax(least, local[2]), side = hypot(local[0], local[1]),
-           shrink = side > 0 ? fmin(1, sqrt(fmax(0, 1 - up * up)) / side) : 1, decoded[3] = {0}, across[3];
+           shrink = side > 0 ? fmin(1, sqrt(fmax(0, 1 - up * up)) / side) : 1, decoded[3] = {0};
     for (size_t k = 0; k < 3; k++)
     {
         pixel[k] = byte_of((k < 2 ? shrink * local[k] : up) / 2 + 0.5);
         for (size_t i = 0; i < 3; i++)
             decoded[i] += (2.0 * pixel[k] / WHOLE - 1) * frame[k][i];
     }
-    vector3_cross(decoded, normal, across);
-    return atan2(vector3_length(across), vector3_dot(decoded, normal));
+    return vector3_angle(decoded, normal);
 }
 
 /// Write a normal in the tangent space of a point of the coarse mesh: upwards, as glTF wants it, unless that turns it too
@@ -276,10 +275,9 @@ static bat_status find_open(baking *all, memory_pool *pool, bat_error *error)
     static const double plastic[2] = {0.7548776662466927, 0.5698402909980532}, lift = 1e-4, turn = ANGLE_TURN;
     const bat_mesh *fine = all->fine;
     closest_tree tree;
-    double low[3], high[3], extent[3];
+    double low[3], high[3];
     box_of_points(3, fine->positions, fine->vertex_count, low, high);
-    vector3_subtract(high, low, extent);
-    double diagonal = vector3_length(extent);
+    double diagonal = vector3_distance(high, low);
     all->open = memory_pool_array(pool, fine->vertex_count, sizeof *all->open);
     bat_status status = memory_pool_check(pool, error);
     if (status == BAT_OK)
