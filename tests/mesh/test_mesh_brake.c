@@ -3,9 +3,11 @@
 
 #include "mesh_helpers.h"
 
+#include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_refine.h"
 #include "linalg/vector.h"
+#include "mesh/refine/brake.h"
 
 enum
 {
@@ -445,6 +447,94 @@ static void adaptive_refinement_keeps_sharp_edges(void **state)
     bat_mesh_free(&fine[1]);
 }
 
+/// Whether a mesh has the lattice of marching cubes.
+static bool has_lattice(const bat_mesh *mesh)
+{
+    bool found;
+    check_status(lattice_find(mesh, 1e-5, &found, NULL), BAT_OK);
+    return found;
+}
+
+/// A mesh of marching cubes takes the surface of the butterfly scheme, but for bounded moves. Turned copies, height fields
+/// and steps have no lattice.
+static void lattices_take_the_butterfly(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(20264);
+    bat_mesh coarse, fine[2], field[2] = {mesh_grid(30, 30), mesh_grid(30, 30)};
+    bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    check_status(bat_mesh_read(TEST_DATA "/mesh/marched-torus.off", NULL, &coarse, NULL), BAT_OK);
+    assert_true(has_lattice(&coarse));
+    options.fairness = 0;
+    for (int i = 0; i < 2; i++)
+    {
+        options.scheme = i == 0 ? BAT_MESH_SCHEME_LEARNED : BAT_MESH_SCHEME_BUTTERFLY;
+        check_status(bat_mesh_refine(&coarse, &options, &fine[i], NULL, NULL), BAT_OK);
+    }
+    size_t far = 0;
+    for (size_t v = 0; v < fine[0].vertex_count; v++)
+        far += vector3_distance(fine[0].positions + 3 * v, fine[1].positions + 3 * v) > 1e-9;
+    assert_true(8 * far < fine[0].vertex_count);
+    for (int i = 0; i < 2; i++)
+    {
+        for (size_t v = 0; v < field[i].vertex_count; v++)
+        {
+            double *z = &field[i].positions[3 * v + 2], height = bat_random_uniform(&random);
+            *z = i == 0 ? height : round(4 * height) / 4;
+        }
+        assert_false(has_lattice(&field[i]));
+        bat_mesh_free(&field[i]);
+        bat_mesh_free(&fine[i]);
+    }
+    move(&coarse, &random);
+    assert_false(has_lattice(&coarse));
+    bat_mesh_free(&coarse);
+}
+
+/// The share of the butterfly scheme at vertex 0 of a mesh.
+static double share_of(const bat_mesh *mesh)
+{
+    bat_mesh_connectivity links;
+    mesh_brake brake;
+    check_status(bat_mesh_connect(mesh, &links, NULL), BAT_OK);
+    const mesh_level level = {.faces = mesh->faces, .links = &links};
+    check_status(brake_make(mesh, &level, true, &brake, NULL), BAT_OK);
+    double share = brake.plain[3];
+    assert_int_equal(brake.shared, share > 0);
+    brake_free(&brake);
+    bat_mesh_connectivity_free(&links);
+    return share;
+}
+
+/// Even faces take half of the butterfly, long faces none, two open pieces all.
+static void shares_follow_the_faces(void **state)
+{
+    (void)state;
+    bat_mesh coarse = mesh_icosahedron(), pieces = mesh_with_room(32, 36), grid = mesh_grid(4, 4);
+    bat_mesh fine = refined(&coarse, BAT_MESH_SCHEME_LOOP, NULL, 2, true);
+    assert_true(share_of(&fine) == 0.5);
+    for (size_t v = 0; v < fine.vertex_count; v++)
+        fine.positions[3 * v] *= 5;
+    assert_true(share_of(&fine) == 0);
+    for (size_t v = 0; v < grid.vertex_count; v++)
+    {
+        grid.positions[3 * v] *= 5;
+        grid.positions[3 * v + 2] = sin(3.0 * (double)v);
+    }
+    assert_true(share_of(&grid) == 0);
+    for (size_t i = 0; i < 2; i++)
+    {
+        memcpy(pieces.positions + 3 * i * grid.vertex_count, grid.positions, 3 * grid.vertex_count * sizeof(double));
+        for (size_t c = 0; c < 3 * grid.face_count; c++)
+            pieces.faces[3 * i * grid.face_count + c] = grid.faces[c] + (uint32_t)(i * grid.vertex_count);
+    }
+    assert_true(share_of(&pieces) == 1);
+    bat_mesh_free(&coarse);
+    bat_mesh_free(&fine);
+    bat_mesh_free(&grid);
+    bat_mesh_free(&pieces);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -455,6 +545,8 @@ int main(void)
         cmocka_unit_test(cages_are_no_solids),
         cmocka_unit_test(cones_are_no_cages),
         cmocka_unit_test(adaptive_refinement_keeps_sharp_edges),
+        cmocka_unit_test(lattices_take_the_butterfly),
+        cmocka_unit_test(shares_follow_the_faces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

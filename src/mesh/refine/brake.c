@@ -24,6 +24,10 @@ static const double SLACK = 4, SLACK_OF_SOLIDS = 0.5;
 static const double SHARP_FROM[] = {1, 1.5, 2, 2.5}, FAR_BELOW = 0.4, FEW = 0.01; // in units of BRAKE_SHARP
 #define SHARP_LIMITS (sizeof SHARP_FROM / sizeof *SHARP_FROM)
 
+/// The mean quality of a remesher's faces is from EVEN_FROM to EVEN_TO or more, of decimated ones seldom above EVEN_FROM.
+/// There the butterfly has EVEN_SHARE. Charts that were decimated one by one have this share of boundary edges.
+static const double EVEN_FROM = 0.8, EVEN_TO = 0.85, EVEN_SHARE = 0.5, CHARTS_FROM = 0.1;
+
 /// The kinds of connected coplanar faces.
 typedef enum flat_kind
 {
@@ -46,6 +50,9 @@ typedef struct mesh_shape
     unsigned char *flat;    ///< regions: a flat_kind
     unsigned char *on_flat; ///< vertices: the greatest flat_kind of the faces around
     uint32_t *bends;        ///< vertices: edges of an angle above 0
+    double quality;         ///< sum over faces of 4 sqrt(3) area over the squared sides, 1 for equal sides
+    bool creased;           ///< edges of more than 75 degrees between even faces are creases
+    size_t pieces;          ///< connected ones
     uint32_t *solid;        ///< faces: 1 on a connected piece that is a solid, else 0
     memory_pool pool;       ///< of all arrays
 } mesh_shape;
@@ -71,10 +78,16 @@ static void measure_face(mesh_shape *shape, uint32_t f)
 {
     const uint32_t *corner = shape->level->faces + 3 * (size_t)f;
     vector3_triangle(place(shape, corner[0]), place(shape, corner[1]), place(shape, corner[2]), shape->normal[f]);
+    double twice = vector3_length(shape->normal[f]), sum = 0; // twice the area; of inverse squared heights
     (void)vector3_normalize(shape->normal[f]);
     shape->height[f] = INFINITY;
     for (uint32_t h = 3 * f; h < 3 * f + 3; h++)
-        shape->height[f] = fmin(shape->height[f], height_over(shape, h));
+    {
+        double height = height_over(shape, h);
+        shape->height[f] = fmin(shape->height[f], height);
+        sum += 1 / (height * height);
+    }
+    shape->quality += shape->height[f] > 0 ? 2 * sqrt(3) / (twice * sum) : 0;
 }
 
 /// Whether an inner edge's faces are in a plane: the lower one's vertex is on the other's. Very low faces have no direction.
@@ -211,6 +224,7 @@ static void find_solids(mesh_shape *shape)
             continue;
         size_t count = flood(shape, f, INFINITY, 0, shape->solid);
         bool solid = is_solid(shape, shape->stack, count);
+        shape->pieces++;
         for (size_t i = 0; i < count; i++)
             shape->solid[shape->stack[i]] = solid;
     }
@@ -305,7 +319,7 @@ static void hold_between(mesh_brake *brake, const uint32_t *faces)
     }
 }
 
-/// Hold flat faces and, of a solid, boundaries and sharp edges.
+/// Hold flat faces, of a solid boundaries and sharp edges, and creases between even faces.
 static void hold_flat_and_sharp(const mesh_shape *shape, mesh_brake *brake)
 {
     const bat_mesh_connectivity *links = brake->links;
@@ -313,7 +327,9 @@ static void hold_flat_and_sharp(const mesh_shape *shape, mesh_brake *brake)
     for (uint32_t h = 0; h < 3 * links->face_count; h++)
     {
         bool boundary = links->twin[h] == BAT_MESH_NONE;
-        bool solid = shape->solid[h / 3], sharp = solid && (boundary || shape->angle[links->edge[h]] > BRAKE_SHARP);
+        double angle = shape->angle[links->edge[h]] / BRAKE_SHARP;
+        bool solid = shape->solid[h / 3], crease = shape->creased && angle > SHARP_FROM[SHARP_LIMITS - 1];
+        bool sharp = crease || (solid && (boundary || angle > SHARP_FROM[0]));
         if (shape->flat[shape->region[h / 3]] >= (solid ? FLAT_OF_SOLID : FLAT))
             face_reach(brake)[h / 3] = edge_reach(brake)[links->edge[h]] = brake->reach[faces[h]] = 0;
         if (sharp)
@@ -353,6 +369,30 @@ static void free_named(const mesh_shape *shape, mesh_brake *brake)
     }
 }
 
+/// Set the share of the butterfly scheme: all on meshes of marching cubes and on charts that were decimated one by one, less
+/// between even faces; none at sharp edges but of marching cubes. Find creases: they are half of the sharp edges or more.
+static bat_status find_shares(mesh_shape *shape, mesh_brake *brake, bat_error *error)
+{
+    const bat_mesh_connectivity *links = brake->links;
+    bat_status status = lattice_find(brake->coarse, shape->tolerance / 2, &brake->marched, error);
+    double even = fmin(1, (shape->quality / (double)links->face_count - EVEN_FROM) / (EVEN_TO - EVEN_FROM));
+    bool charts = shape->pieces > 1 && (double)links->boundary_edge_count > CHARTS_FROM * (double)links->edge_count;
+    double share = brake->marched || charts ? 1 : fmax(0, EVEN_SHARE * even), sharp = 0, sharpest = 0;
+    brake->shared = share > 0;
+    for (size_t v = 0; v < links->vertex_count; v++)
+        brake->plain[4 * v + 3] = share;
+    for (uint32_t h = 0; h < 3 * links->face_count && !brake->marched; h++)
+    {
+        double angle = shape->angle[links->edge[h]] / BRAKE_SHARP;
+        sharpest += angle > SHARP_FROM[SHARP_LIMITS - 1];
+        sharp += angle > SHARP_FROM[1];
+        if (angle > SHARP_FROM[1])
+            brake->plain[4 * (size_t)shape->level->faces[h] + 3] = 0;
+    }
+    shape->creased = even > 0 && sharpest > 0 && 2 * sharpest >= sharp;
+    return status;
+}
+
 bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool found, mesh_brake *brake, bat_error *error)
 {
     const bat_mesh_connectivity *links = level->links;
@@ -362,16 +402,21 @@ bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool foun
                           .links = links,
                           .count = vertices,
                           .reach = memory_array(count, sizeof *brake->reach),
-                          .plain = memory_array(vertices, 3 * sizeof *brake->plain),
+                          .plain = memory_array(vertices, 4 * sizeof *brake->plain),
                           .owner = memory_array(vertices, sizeof *brake->owner)};
     bat_status status = shape_make(coarse, level, found, &shape, error);
     if (status == BAT_OK && (brake->reach == NULL || brake->plain == NULL || brake->owner == NULL))
         status = error_memory(error, count * sizeof *brake->reach);
+    for (uint32_t v = 0; v < vertices && status == BAT_OK; v++)
+    {
+        memcpy(brake->plain + 4 * (size_t)v, place(&shape, v), 3 * sizeof *brake->plain);
+        brake->plain[4 * (size_t)v + 3] = 0;
+        brake->owner[v] = v;
+    }
+    if (status == BAT_OK && found)
+        status = find_shares(&shape, brake, error);
     if (status == BAT_OK)
     {
-        memcpy(brake->plain, coarse->positions, 3 * vertices * sizeof *brake->plain);
-        for (uint32_t v = 0; v < vertices; v++)
-            brake->owner[v] = v;
         reach_by_angles(&shape, brake);
         hold_flat_and_sharp(&shape, brake);
         hold_apexes(&shape, brake);
@@ -408,7 +453,7 @@ bat_status brake_advance(mesh_brake *brake, const mesh_level *level, int threads
 {
     const bat_mesh_connectivity *links = level->links;
     size_t count = links->vertex_count + links->edge_count;
-    double *plain = memory_array(count, 3 * sizeof *plain);
+    double *plain = memory_array(count, 4 * sizeof *plain);
     uint32_t *owner = memory_array(count, sizeof *owner);
     if (plain == NULL || owner == NULL)
     {
@@ -416,7 +461,7 @@ bat_status brake_advance(mesh_brake *brake, const mesh_level *level, int threads
         free(owner);
         return error_memory(error, count * BRAKE_VERTEX_BYTES);
     }
-    const mesh_rows rows = {level, brake->plain, plain, 3};
+    const mesh_rows rows = {level, brake->plain, plain, 4};
     midpoint_rule(&rows, threads);
     memcpy(owner, brake->owner, links->vertex_count * sizeof *owner);
     for (uint32_t h = 0; h < 3 * links->face_count; h++)
@@ -438,7 +483,7 @@ static void bound_moves(const mesh_brake *brake, double *positions)
     for (size_t v = 0; v < brake->count; v++)
     {
         double reach = brake->reach[brake->owner[v]], *to = positions + 3 * v, move[3];
-        const double *from = brake->plain + 3 * v;
+        const double *from = brake->plain + 4 * v;
         vector3_subtract(to, from, move);
         double length = vector3_length(move);
         if (reach == 0)
@@ -485,7 +530,7 @@ size_t brake_judge(mesh_brake *brake, const uint32_t *faces, double *positions)
             uint32_t ancestor = f >> 2 * brake->level;
             area_vector(brake->coarse->faces + 3 * (size_t)ancestor, brake->coarse->positions, coarse);
             area_vector(faces + 3 * (size_t)f, positions, fine);
-            if (vector3_dot(coarse, fine) < 0 && hold_face(brake, ancestor))
+            if (!brake->marched && vector3_dot(coarse, fine) < 0 && hold_face(brake, ancestor))
                 held++;
         }
         hold_between(brake, brake->coarse->faces);

@@ -20,10 +20,11 @@ typedef struct mesh_brake
 {
     const bat_mesh *coarse; ///< null: nothing is bounded
     const bat_mesh_connectivity *links;
-    double *reach; ///< of the coarse vertices, then edges, then faces; 0: stay; infinite: free
+    double *reach;        ///< of the coarse vertices, then edges, then faces; 0: stay; infinite: free
+    bool marched, shared; ///< made by marching cubes: faces may turn over; the butterfly scheme has a share in the result
     // Of the current level:
     size_t level, count; ///< the number of levels made, and of vertices
-    double *plain;       ///< count x 3: positions by the midpoint scheme
+    double *plain;       ///< count x 4: positions by the midpoint scheme, and the share of the butterfly
     uint32_t *owner;     ///< count: the coarse vertex, edge or face that a vertex is on, an index into `reach`
 } mesh_brake;
 
@@ -45,5 +46,10 @@ bat_status brake_advance(mesh_brake *brake, const mesh_level *level, int threads
 /// @return the number of coarse faces that stay for that reason
 size_t brake_judge(mesh_brake *brake, const uint32_t *faces, double *positions);
 
-/// The bytes of a brake for each vertex of a level and of the next.
-#define BRAKE_VERTEX_BYTES (3 * sizeof(double) + sizeof(uint32_t))
+/// Find whether a mesh of triangles is one of marching cubes: its vertices are on the edges of a lattice along the axes, and
+/// each face is in a cell. Coordinates within `equal` are equal.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status lattice_find(const bat_mesh *mesh, double equal, bool *found, bat_error *error);
+
+/// The bytes of a brake for each vertex of a level and of the next, with those of the butterfly scheme.
+#define BRAKE_VERTEX_BYTES (7 * sizeof(double) + sizeof(uint32_t))

@@ -346,7 +346,8 @@ static bat_status split_level(const refinement *work, const mesh_scheme *scheme,
     return status;
 }
 
-/// One level of a scheme that splits faces. Learned positions come later; channels are interpolated linearly.
+/// One level of a scheme that splits faces. Learned positions come later, with a share of the butterfly's; channels are
+/// interpolated linearly.
 static bat_status split_step(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
                              bat_error *error)
 {
@@ -355,27 +356,33 @@ static bat_status split_step(const refinement *work, const mesh_scheme *scheme, 
     size_t count = links->vertex_count + links->edge_count + (scheme->polygons ? links->face_count : 0);
     next->mesh.vertex_count = count;
     bat_status status = BAT_OK;
-    if (!scheme->learned)
-        status = refine_rows(work, scheme->rule, mesh->positions, 3, count, &next->mesh.positions, error);
+    if (!scheme->learned || work->brake.shared)
+        status = refine_rows(work, scheme->learned ? butterfly_rule : scheme->rule, mesh->positions, 3, count,
+                             &next->mesh.positions, error);
     if (status == BAT_OK && mesh->channel_count > 0)
         status = refine_rows(work, scheme->rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
     return status == BAT_OK ? split_level(work, scheme, last, next, error) : status;
 }
 
-/// Compute the positions of all vertices of `next`, the last learned level, by the learned rule.
+/// Compute the positions of `next`, the last learned level, of which those of the butterfly scheme have their share.
 static bat_status learn_positions(const refinement *work, refined_level *next, bat_error *error)
 {
     const bat_mesh_refine_options *options = &work->plan->options;
     bat_mesh *mesh = &next->mesh;
-    mesh->positions = memory_array(mesh->vertex_count, 3 * sizeof *mesh->positions);
-    if (mesh->positions == NULL)
-        return error_memory(error, mesh->vertex_count * 3 * sizeof *mesh->positions);
-    bat_mesh view = {.positions = mesh->positions,
+    double strength = 1 - options->fairness * options->fairness, *butterfly = mesh->positions;
+    bat_mesh view = {.positions = memory_array(mesh->vertex_count, 3 * sizeof *view.positions),
                      .faces = mesh->faces,
                      .vertex_count = mesh->vertex_count,
                      .face_count = mesh->face_count};
-    return options->rule->refine(options->rule, work->coarse, work->links, work->plan->learned_levels, options, &view,
-                                 work->fallback, error);
+    if (view.positions == NULL)
+        return error_memory(error, mesh->vertex_count * 3 * sizeof *view.positions);
+    bat_status status = options->rule->refine(options->rule, work->coarse, work->links, work->plan->learned_levels, options,
+                                              &view, work->fallback, error);
+    for (size_t i = 0; status == BAT_OK && butterfly != NULL && i < 3 * mesh->vertex_count; i++)
+        view.positions[i] += strength * work->brake.plain[i / 3 * 4 + 3] * (butterfly[i] - view.positions[i]);
+    mesh->positions = view.positions;
+    free(butterfly);
+    return status;
 }
 
 /// Subtract 1 from the sharpness of the corners.
@@ -416,15 +423,6 @@ static void advance(refinement *work, refined_level *next, bool keep)
     work->parent.links = &before->links;
 }
 
-/// Bound the positions of the next level, where it has some.
-static bat_status brake_level(refinement *work, const mesh_level *now, refined_level *next, bat_error *error)
-{
-    bat_status status = brake_advance(&work->brake, now, work->plan->options.threads, error);
-    if (status == BAT_OK && next->mesh.positions != NULL)
-        *work->fallback += brake_judge(&work->brake, next->mesh.faces, next->mesh.positions);
-    return status;
-}
-
 static bat_status step(refinement *work, size_t level, bat_error *error)
 {
     const mesh_plan *plan = work->plan;
@@ -443,10 +441,12 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         status = split_step(work, scheme, last, &next, error);
     if (status == BAT_OK && scheme->turns && !last)
         status = bat_mesh_connect(&next.mesh, &next.links, error);
+    if (status == BAT_OK && work->brake.coarse != NULL)
+        status = brake_advance(&work->brake, &now, plan->options.threads, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
-    if (status == BAT_OK && work->brake.coarse != NULL)
-        status = brake_level(work, &now, &next, error);
+    if (status == BAT_OK && work->brake.coarse != NULL && level + 1 >= plan->learned_levels)
+        *work->fallback += brake_judge(&work->brake, next.mesh.faces, next.mesh.positions);
     if (status != BAT_OK)
     {
         refined_level_free(&next);
