@@ -17,10 +17,10 @@ static inline bool has_note(const bat_curve_set *set, const char *words)
     return false;
 }
 
-/// Whether points were dropped. The only cell that made a column one of texts can be gone with one.
+/// Whether points were dropped, or curves left out. The only cell that made a column one of texts can be gone with one.
 static inline bool has_dropped(const bat_curve_set *set)
 {
-    return has_note(set, "dropped");
+    return has_note(set, "dropped") || has_note(set, "left out");
 }
 
 /// Whether curves have the same shape after a file. Where degrees are rounded, neighbours can become one point, so that the

@@ -128,6 +128,22 @@ static void every_shape_comes_back(void **state)
     }
 }
 
+/// A ring without arcs stays one: what is written can be read.
+static void empty_rings_come_back(void **state)
+{
+    (void)state;
+    static const char given[] = TOPOLOGY("{\"type\":\"Polygon\",\"arcs\":[[],[0]]},{\"type\":\"Polygon\",\"arcs\":[[1]]}",
+                                         "[[5,0],[6,5],[5,9],[5,0]],[[15,0],[16,5],[15,9],[15,0]]");
+    bat_curve_set set = must_read(given, BAT_CURVE_FORMAT_AUTO, NULL);
+    char *text = must_write(&set, BAT_CURVE_FORMAT_TOPOJSON);
+    bat_curve_set back = must_read(text, BAT_CURVE_FORMAT_AUTO, NULL);
+    assert_non_null(strstr(text, "\"arcs\":[[],["));
+    assert_int_equal(back.count, set.count);
+    free(text);
+    bat_curve_set_free(&set);
+    bat_curve_set_free(&back);
+}
+
 static void bad_files_are_refused(void **state)
 {
     (void)state;
@@ -191,9 +207,10 @@ static void repeated_arcs_are_bounded(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(arcs_become_rings),     cmocka_unit_test(quantized_arcs_are_sums),
-        cmocka_unit_test(a_border_stands_once),  cmocka_unit_test(every_shape_comes_back),
-        cmocka_unit_test(bad_files_are_refused), cmocka_unit_test(repeated_arcs_are_bounded),
+        cmocka_unit_test(arcs_become_rings),         cmocka_unit_test(quantized_arcs_are_sums),
+        cmocka_unit_test(a_border_stands_once),      cmocka_unit_test(every_shape_comes_back),
+        cmocka_unit_test(empty_rings_come_back),     cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(repeated_arcs_are_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

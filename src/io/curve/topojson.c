@@ -349,12 +349,12 @@ static bool add_line(topology_writer *writer, const json_t *positions, bool ring
     return done && ARRAY_ADD(writer->lines, writer->line_capacity, writer->line_count, line);
 }
 
-/// Append arrays of lines in `depth` arrays, without their arcs.
+/// Append arrays of lines in `depth` arrays, without their arcs. An array without positions stays empty.
 static bool append_lines(topology_writer *writer, const json_t *coordinates, int depth, bool ring)
 {
     bool done = true;
-    if (depth == 0)
-        return json_array_size(coordinates) > 0 ? add_line(writer, coordinates, ring) : true;
+    if (depth == 0 && json_array_size(coordinates) > 0)
+        return add_line(writer, coordinates, ring);
     text_append_string(&writer->objects, "[");
     for (size_t i = 0; i < json_array_size(coordinates) && done; i++)
     {
@@ -386,8 +386,6 @@ static bool append_written(topology_writer *writer, const json_t *geometry)
                                                            : ",\"arcs\":");
     if (points)
         json_text(text, coordinates);
-    else if (kind != GEOMETRY_COLLECTION && json_array_size(coordinates) == 0)
-        text_append_string(text, "[]");
     else if (kind != GEOMETRY_COLLECTION)
         done = append_lines(writer, coordinates, depth, ring);
     for (size_t i = 0; kind == GEOMETRY_COLLECTION && i < json_array_size(members) && done; i++)
