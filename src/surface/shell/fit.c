@@ -408,7 +408,7 @@ static void gather(fit_work *work)
 void shell_fit_correct(const shell_fit *fit)
 {
 #pragma omp parallel for schedule(static) num_threads(threads_worth(fit->threads, fit->count, 2000.0 * (double)fit->count))
-    for (size_t i = 0; i < fit->count; i++)
+    for (size_t i = 0; i < fit->moving; i++)
         fit->squared[i] = shell_place_correct(fit->grid, fit->bezier, fit->points + 3 * i, STEPS, &fit->places[i]);
 }
 
@@ -463,7 +463,9 @@ static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
                                       .lambda = fit->lambda,
                                       .trials = TRIALS};
     bat_status status =
-        fit_weight_find(&work->system, work->solver, &search, &fit->lambda, &fit->trace, fit->control, error);
+        fit->count > fit->moving
+            ? fit_weight_solve(&work->system, work->solver, &fit->lambda, fit->control, error)
+            : fit_weight_find(&work->system, work->solver, &search, &fit->lambda, &fit->trace, fit->control, error);
     if (status == BAT_OK)
         status = shell_grid_bezier(fit->grid, fit->control, fit->bezier, error);
     if (status == BAT_OK)

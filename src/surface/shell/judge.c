@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "batten/mesh_measure.h"
 #include "linalg/vector.h"
+#include "mesh/decimate/map.h"
 
 #include <string.h>
 
@@ -116,20 +117,8 @@ static bat_status make_samples(const bat_shell *shell, shell_samples *samples, b
     return status;
 }
 
-static bat_status measure_reach(const shell_fit *fit, shell_samples *samples, bat_shell_report *report, bat_error *error)
-{
-    bat_status status = shell_distances(fit->points, fit->count, samples->places, samples->count, MAX_NOISE * report->noise,
-                                        report->spacing, samples->reach, error);
-    if (status == BAT_OK)
-    {
-        qsort(samples->reach, samples->count, sizeof *samples->reach, ascending);
-        report->reach = samples->reach[samples->count * 99 / 100];
-    }
-    return status;
-}
-
-static bat_status measure_turns(const bat_mesh *mesh, const shell_fit *fit, const shell_samples *samples,
-                                bat_shell_report *report, bat_error *error)
+static bat_status measure_turns(const bat_mesh *mesh, const shell_fit *fit, const shell_samples *samples, bool *marks,
+                                size_t *count, bat_error *error)
 {
     double *normals = memory_array(mesh->vertex_count, 3 * sizeof *normals);
     if (normals == NULL)
@@ -139,12 +128,12 @@ static bat_status measure_turns(const bat_mesh *mesh, const shell_fit *fit, cons
         status = bat_mesh_closest(mesh, samples->places, samples->count, fit->threads, samples->closest, error);
     for (size_t k = 0; k < samples->count && status == BAT_OK; k++)
     {
-        const bat_mesh_point *at = &samples->closest[k].at;
         double sum = 0;
         for (size_t c = 0; c < 3; c++)
-            sum += at->barycentric[c] *
-                   vector3_dot(samples->normals + 3 * k, normals + 3 * (size_t)mesh->faces[3 * (size_t)at->face + c]);
-        report->turned += sum < 0;
+            sum += samples->normals[3 * k + c] * map_value_at(mesh, normals + c, 3, &samples->closest[k].at);
+        *count += sum < 0;
+        for (size_t c = 0; c < 4 && sum < 0 && marks != NULL; c++)
+            marks[fit->grid->quads[k / 4 * 4 + c]] = true;
     }
     free(normals);
     return status;
@@ -172,6 +161,27 @@ static bat_status measure_growth(const shell_fit *fit, double rms, double *growt
     nearest_free(&tree);
     if (status == BAT_OK)
         *growth = sort_median(ratios, GROWTH_PLACES);
+    return status;
+}
+
+bat_status shell_find_folds(const shell_fit *fit, const bat_mesh *mesh, bool *marks, size_t *count, bat_error *error)
+{
+    const shell_grid *grid = fit->grid;
+    const bat_shell shell = {.cage = {.face_count = grid->quad_count}, .patches = fit->bezier};
+    shell_samples samples = {0};
+    *count = 0;
+    bat_status status = make_samples(&shell, &samples, error);
+    if (status == BAT_OK)
+        status = measure_turns(mesh, fit, &samples, marks, count, error);
+    memory_pool_free(&samples.pool);
+    for (uint32_t k = 0; k < 16 * grid->quad_count; k++)
+    {
+        uint32_t h = k / 4, twin = grid->links.twin[h];
+        if (twin == BAT_MESH_NONE || grid->sharp[h] || shell_jump(grid, fit->bezier, h, 0.5) < MAX_ANGLE / 3)
+            continue;
+        marks[grid->quads[h / 4 * 4 + k % 4]] = true;
+        *count += k % 4 == 0 && h < twin;
+    }
     return status;
 }
 
@@ -203,9 +213,14 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
     if (status == BAT_OK)
         status = make_samples(shell, &samples, error);
     if (status == BAT_OK)
-        status = measure_reach(fit, &samples, report, error);
+        status = shell_distances(fit->points, fit->count, samples.places, samples.count, MAX_NOISE * report->noise,
+                                 report->spacing, samples.reach, error);
     if (status == BAT_OK)
-        status = measure_turns(mesh, fit, &samples, report, error);
+    {
+        qsort(samples.reach, samples.count, sizeof *samples.reach, ascending);
+        report->reach = samples.reach[samples.count * 99 / 100];
+        status = measure_turns(mesh, fit, &samples, NULL, &report->turned, error);
+    }
     memory_pool_free(&samples.pool);
     return status;
 }

@@ -11,6 +11,8 @@
 #include "batten/mesh_measure.h"
 #include "batten/mesh_refine.h"
 #include "mesh/check.h"
+#include "mesh/decimate/map.h"
+#include "mesh/labels.h"
 #include "mesh/refine/sharpness.h"
 
 #include <string.h>
@@ -23,6 +25,8 @@
 #define HOLD_OUT 10
 #define TRIAL_ROUNDS 4
 #define ROUNDS 8
+#define ANCHORS 3 ///< of a triangle
+#define UNFOLD_ROUNDS 2
 #define RETRIES 3
 #define MIN_FACES 40
 #define MESH_POINTS 40000 ///< samples of a mesh
@@ -37,8 +41,9 @@ static const double MAX_LOSS = 0.002, MAX_RISE = 1.015;
 static const double NORMALS = 0.3;
 /// Factor of the smoothing by the noise in spacings, of which correction hides a part, and its largest value.
 static const double NOISE_SLOPE = 3, MIN_NOISE = 0.05, MAX_NOISY = 3;
-/// Factor of the smoothing where a shell is wrong, and the largest distance of its points in that of held-out ones.
-static const double STIFFER = 4, MAX_STIFFER = 1.2;
+/// Factor of the smoothing where a shell is wrong, or has more folds for each patch than allowed, and the largest distance
+/// of its points in that of held-out ones.
+static const double STIFFER = 4, MAX_FOLDED = 0.001, FOLDED_STIFFER = 2, MAX_STIFFER = 1.2;
 /// Share of the way to the middle of the neighbours.
 static const double RELAXATION = 0.7;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
@@ -78,6 +83,7 @@ typedef struct shell_trial
     shell_layout layout;
     shell_grid grid;
     shell_fit fit;
+    shell_place *first; ///< places of points and anchors on the layout
     memory_pool pool;
 } shell_trial;
 
@@ -85,12 +91,13 @@ typedef struct shell_work
 {
     const bat_shell_reconstruct_options *options;
     unit_frame frame;
-    double *points; ///< count x 3, of unit size, in an order that depends on coordinates alone
+    double *points; ///< count x 3, of unit size, in an order that depends on coordinates alone; then anchors
     size_t count;
     bat_mesh mesh;                   ///< of unit size
-    bat_mesh_closest_point *closest; ///< count: of the points on the mesh
+    bat_mesh_closest_point *closest; ///< of the points and anchors on the mesh
     bool *held;                      ///< count
     bool closed;                     ///< the mesh of points
+    bool folded;                     ///< the first fit
     double noise, stiffness;
     double normals; ///< their weight in the error of the layout
     bat_shell_report report;
@@ -146,13 +153,10 @@ static bat_status sample_mesh(shell_work *work, bat_error *error)
                v = modf(0.5 + 0.5698402909980532 * (double)i, &ignored);
         while (face + 1 < mesh->face_count && sums[face + 1] <= at)
             face++;
-        double root = sqrt(u), weights[3] = {1 - root, root * (1 - v), root * v};
+        double root = sqrt(u);
+        const bat_mesh_point on = {(uint32_t)face, {1 - root, root * (1 - v), root * v}};
         for (size_t c = 0; c < 3; c++)
-        {
-            work->points[3 * i + c] = 0;
-            for (size_t k = 0; k < 3; k++)
-                work->points[3 * i + c] += weights[k] * mesh->positions[3 * (size_t)mesh->faces[3 * face + k] + c];
-        }
+            work->points[3 * i + c] = map_value_at(mesh, mesh->positions + c, 3, &on);
     }
     work->count = count;
     return BAT_OK;
@@ -224,13 +228,12 @@ static bat_status relax(bat_mesh *mesh, bool *closed, bat_error *error)
         double *place = mesh->positions + 3 * (k % mesh->vertex_count), sum[3] = {0}, normal[3] = {0}, count = 0;
         do
         {
-            double arms[2][3], area[3];
-            vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)], place, arms[0]);
-            vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], place, arms[1]);
-            vector3_cross(arms[0], arms[1], area);
+            const double *next = mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)];
+            double area[3];
+            vector3_triangle(place, next, mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], area);
             for (size_t c = 0; c < 3; c++)
             {
-                sum[c] += arms[0][c];
+                sum[c] += next[c] - place[c];
                 normal[c] += area[c];
             }
             count++;
@@ -330,11 +333,14 @@ static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *
         status = shell_grid_make(&trial->layout, work->options->spans, &trial->grid, error);
     if (status != BAT_OK)
         return status;
+    size_t all = work->count + ANCHORS * work->mesh.face_count;
     double *start = memory_pool_zeros(&trial->pool, trial->grid.vertex_count, 3 * sizeof *start);
+    trial->first = memory_pool_array(&trial->pool, all, sizeof *trial->first);
     *fit = (shell_fit){.grid = &trial->grid,
                        .points = work->points,
                        .count = work->count,
-                       .places = memory_pool_array(&trial->pool, work->count, sizeof *fit->places),
+                       .moving = work->count,
+                       .places = memory_pool_array(&trial->pool, all, sizeof *fit->places),
                        .start = start,
                        .control = memory_pool_array(&trial->pool, trial->grid.vertex_count, 3 * sizeof *fit->control),
                        .bezier = memory_pool_array(&trial->pool, trial->grid.quad_count, 48 * sizeof *fit->bezier),
@@ -342,16 +348,18 @@ static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *
                        .stiff = memory_pool_array(&trial->pool, trial->grid.vertex_count, sizeof *fit->stiff),
                        .stiffness = work->stiffness,
                        .threads = work->options->threads};
-    bat_mesh_point *points = memory_pool_array(&trial->pool, work->count, sizeof *points);
+    bat_mesh_point *points = memory_pool_array(&trial->pool, all, sizeof *points);
     status = memory_pool_check(&trial->pool, error);
     for (size_t v = 0; v < trial->grid.vertex_count && status == BAT_OK; v++)
         fit->stiff[v] = 1;
-    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < all; i++)
         points[i] = work->closest[i].at;
-    if (status == BAT_OK)
-        status = shell_layout_places(&trial->layout, points, work->count, fit->places, error);
-    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
-        place_on_grid(trial->grid.spans, &fit->places[i]);
+    status = shell_layout_places(&trial->layout, points, all, trial->first, error);
+    for (size_t i = 0; i < all && status == BAT_OK; i++)
+        place_on_grid(trial->grid.spans, &trial->first[i]);
+    memcpy(fit->places, trial->first, all * sizeof *fit->places);
     if (status == BAT_OK)
         place_control(trial, start);
     return status;
@@ -513,37 +521,66 @@ static bat_status face_outwards(bat_mesh *mesh, bat_error *error)
 /// Give the mesh its normals as channels, so that decimation leaves more faces where it is bent.
 static bat_status add_normals(bat_mesh *mesh, bat_error *error)
 {
-    size_t count = mesh->vertex_count;
-    double *normals = memory_array(count, 3 * sizeof *normals);
-    char **names = calloc(3, sizeof *names);
-    bat_status status = normals == NULL || names == NULL
-                            ? error_memory(error, count * 3 * sizeof *normals)
-                            : bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, normals, error);
-    if (status != BAT_OK)
+    static const char *const NAMES[] = {"normal", "normal", "normal"};
+    if (!channels_set_names(mesh, NAMES, 3) ||
+        (mesh->channels = memory_array(mesh->vertex_count, 3 * sizeof *mesh->channels)) == NULL)
+        return error_memory(error, 3 * mesh->vertex_count * sizeof *mesh->channels);
+    return bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, mesh->channels, error);
+}
+
+/// Anchor the patches that fold, and those around, as long as folds get fewer: places of their points begin anew, and points
+/// of the mesh, whose places stay, are fitted, too.
+/// @param folds receives how many are left
+static bat_status unfold(const shell_work *work, shell_trial *trial, size_t *folds, bat_error *error)
+{
+    shell_fit *fit = &trial->fit, open = *fit;
+    const uint32_t *quads = trial->grid.quads;
+    size_t all = work->count + ANCHORS * work->mesh.face_count, before = SIZE_MAX;
+    bool *marks = memory_pool_zeros(&trial->pool, trial->grid.vertex_count, sizeof *marks),
+         *held = memory_pool_array(&trial->pool, all, sizeof *held);
+    bat_status status = memory_pool_check(&trial->pool, error);
+    if (status == BAT_OK)
+        status = shell_find_folds(fit, &work->mesh, marks, folds, error);
+    fit->held = held;
+    fit->count = all;
+    while (status == BAT_OK && *folds > 0 && *folds < before)
     {
-        free(normals);
-        free(names);
-        return status;
+        for (size_t i = 0; i < all; i++)
+        {
+            bool near = false;
+            for (size_t c = 0; c < 4; c++)
+                near = near || marks[quads[4 * (size_t)fit->places[i].face + c]] ||
+                       marks[quads[4 * (size_t)trial->first[i].face + c]];
+            held[i] = i >= work->count && !near;
+            fit->places[i] = near ? trial->first[i] : fit->places[i];
+        }
+        before = *folds;
+        status = shell_fit_run(fit, UNFOLD_ROUNDS, error);
+        if (status == BAT_OK)
+            status = shell_find_folds(fit, &work->mesh, marks, folds, error);
     }
-    mesh->channels = normals;
-    mesh->channel_names = names;
-    mesh->channel_count = 3;
-    for (size_t c = 0; c < 3 && status == BAT_OK; c++)
-        if ((names[c] = strdup("normal")) == NULL)
-            status = error_memory(error, sizeof "normal");
+    *fit = open;
     return status;
 }
 
 /// Fit a number of faces to all points, and judge the shell.
-static bat_status fit_faces(shell_work *work, size_t faces, bat_progress progress, bat_shell *shell, bat_error *error)
+/// @param strict whether it is wrong where folds stay
+static bat_status fit_faces(shell_work *work, size_t faces, bool strict, bat_progress progress, bat_shell *shell,
+                            bat_error *error)
 {
     shell_trial trial = {0};
     bat_shell made = {0};
+    size_t folds = 0;
     bat_status status = trial_make(work, faces, &trial, error);
     trial.fit.progress = progress;
     work->report.turned = 0;
     if (status == BAT_OK)
         status = fit_trial(&trial, ROUNDS, error);
+    if (status == BAT_OK)
+        status = unfold(work, &trial, &folds, error);
+    work->folded = strict && (double)folds > MAX_FOLDED * (double)trial.grid.quad_count;
+    if (status == BAT_OK && work->folded)
+        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the shell folds at %zu places", folds);
     if (status == BAT_OK)
         status = shell_agree(&trial.grid, trial.fit.bezier, error);
     if (status == BAT_OK)
@@ -564,31 +601,54 @@ static bat_status fit_faces(shell_work *work, size_t faces, bat_progress progres
     return status;
 }
 
+/// Find the places of the points on the mesh, hold out some, and append anchors.
+static bat_status place_on_mesh(shell_work *work, bat_error *error)
+{
+    const bat_mesh *mesh = &work->mesh;
+    size_t count = work->count, all = count + ANCHORS * mesh->face_count;
+    double *points = memory_pool_array(&work->pool, all, 3 * sizeof *points);
+    work->closest = memory_pool_array(&work->pool, all, sizeof *work->closest);
+    work->held = memory_pool_zeros(&work->pool, count, sizeof *work->held);
+    bat_status status = memory_pool_check(&work->pool, error);
+    if (status == BAT_OK)
+        status = bat_mesh_closest(mesh, work->points, count, work->options->threads, work->closest, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = HOLD_OUT / 2; i < count; i += HOLD_OUT)
+        work->held[i] = true;
+    memcpy(points, work->points, 3 * count * sizeof *points);
+    work->points = points;
+    for (size_t k = 0; k < all - count; k++)
+    {
+        bat_mesh_point *at = &work->closest[count + k].at;
+        *at = (bat_mesh_point){(uint32_t)(k / ANCHORS), {1.0 / 6, 1.0 / 6, 1.0 / 6}};
+        at->barycentric[k % ANCHORS] = 2.0 / 3;
+        for (size_t c = 0; c < 3; c++)
+            points[3 * (count + k) + c] = map_value_at(mesh, mesh->positions + c, 3, at);
+    }
+    return BAT_OK;
+}
+
 /// Find the number of faces and fit. A shell that is wrong has too many faces for its points at some place: half as many
-/// are tried then, with more smoothing, and the first failure is told where that fails too.
+/// are tried then, with more smoothing (first as many, where it folds), and the first failure is told where that fails too.
 static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *error)
 {
     progress_part trials = {work->options->progress, CONNECT_SHARE, TRIAL_SHARE},
                   last = {work->options->progress, CONNECT_SHARE + TRIAL_SHARE, 1 - CONNECT_SHARE - TRIAL_SHARE};
     size_t faces = 0;
-    work->closest = memory_pool_array(&work->pool, work->count, sizeof *work->closest);
-    work->held = memory_pool_zeros(&work->pool, work->count, sizeof *work->held);
-    bat_status status = memory_pool_check(&work->pool, error);
-    if (status == BAT_OK)
-        status = bat_mesh_closest(&work->mesh, work->points, work->count, work->options->threads, work->closest, error);
-    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
-        work->held[i] = i % HOLD_OUT == HOLD_OUT / 2;
+    bat_status status = place_on_mesh(work, error);
     if (status == BAT_OK)
         status = find_layout(work, progress_of_part(&trials), &faces, error);
     if (status == BAT_OK)
-        status = fit_faces(work, faces, progress_of_part(&last), shell, error);
+        status =
+            fit_faces(work, faces, work->options->faces == 0 && faces > MIN_FACES, progress_of_part(&last), shell, error);
     for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && work->options->faces == 0 && faces > MIN_FACES; k++)
     {
         bat_error failure;
-        bool softer = k == 0 && work->stiffness > 1;
-        faces = softer ? faces : faces / 2;
-        work->stiffness = softer ? 1 : STIFFER * work->stiffness;
-        status = fit_faces(work, faces, progress_of_part(&last), shell, &failure);
+        bool again = k == 0 && (work->folded || work->stiffness > 1);
+        faces = again ? faces : faces / 2;
+        work->stiffness = !again ? STIFFER * work->stiffness : work->folded ? FOLDED_STIFFER * work->stiffness : 1;
+        status = fit_faces(work, faces, false, progress_of_part(&last), shell, &failure);
         if (status == BAT_OK && work->report.rms > MAX_STIFFER * work->report.held_out && !work->options->force)
         {
             bat_shell_free(shell);
@@ -637,13 +697,9 @@ bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_m
         status = fit_and_judge(&work, &made, error);
     bat_mesh_free(&work.mesh);
     memory_pool_free(&work.pool);
-    if (status != BAT_OK)
-    {
-        bat_shell_free(&made);
-        return status;
-    }
-    *shell = made;
-    if (report != NULL)
+    if (status == BAT_OK)
+        *shell = made;
+    if (status == BAT_OK && report != NULL)
         *report = work.report;
-    return BAT_OK;
+    return status;
 }

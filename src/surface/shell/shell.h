@@ -201,6 +201,7 @@ typedef struct shell_fit
     const shell_grid *grid;
     const double *points; ///< count x 3
     size_t count;
+    size_t moving;       ///< of these, the first ones: their places are corrected. Lambda stays where others follow
     shell_place *places; ///< count: on quads of the grid; changed by corrections
     const bool *held;    ///< count: points that are left out of the fit; null: none
     const double *start; ///< vertex_count x 3: places of the control points on the layout, which scale the smoothing
@@ -229,6 +230,10 @@ bat_status shell_agree(const shell_grid *grid, double *bezier, bat_error *error)
 
 /// The number of patches that cross others.
 bat_status shell_count_crossings(const bat_shell *shell, size_t *crossings, bat_error *error);
+
+/// Mark the vertices of quads that fold: their normal is against the mesh's, or differs from a neighbour's by 30 degrees.
+/// @param count receives the number of such places and sides
+bat_status shell_find_folds(const shell_fit *fit, const bat_mesh *mesh, bool *marks, size_t *count, bat_error *error);
 
 /// Measure a shell by its points and by the mesh that connects them.
 bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat_mesh *mesh, bat_shell_report *report,
