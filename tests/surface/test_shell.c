@@ -153,6 +153,32 @@ static void a_torus_keeps_its_hole(void **state)
     free(made.points);
 }
 
+/// Random points of a box fold a fit with many control points at its edges.
+static void a_box_has_no_folds(void **state)
+{
+    (void)state;
+    static const double SIZE[3] = {1, 0.6, 0.4};
+    scatter made = scatter_make(4000);
+    bat_random random = bat_random_seed(5);
+    for (size_t i = 0; i < made.count; i++)
+    {
+        double at = 1.24 * bat_random_uniform(&random);
+        size_t axis = at < 0.24 ? 0 : at < 0.64 ? 1 : 2;
+        for (size_t c = 0; c < 3; c++)
+            made.points[3 * i + c] = SIZE[c] * (2 * bat_random_uniform(&random) - 1);
+        made.points[3 * i + axis] = bat_random_uniform(&random) < 0.5 ? -SIZE[axis] : SIZE[axis];
+    }
+    bat_shell shell;
+    bat_shell_report report;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
+    assert_true(shell.closed);
+    assert_int_equal(report.turned, 0);
+    assert_int_equal(report.crossings, 0);
+    check_near(report.volume, 1.92, 2e-3);
+    bat_shell_free(&shell);
+    free(made.points);
+}
+
 static void an_open_cup_stays_open(void **state)
 {
     (void)state;
@@ -542,6 +568,7 @@ int main(void)
         cmocka_unit_test(noise_does_not_swell),
         cmocka_unit_test(a_shell_follows_a_patch_that_failed),
         cmocka_unit_test(a_torus_keeps_its_hole),
+        cmocka_unit_test(a_box_has_no_folds),
         cmocka_unit_test(an_open_cup_stays_open),
         cmocka_unit_test(normals_lead_into_narrow_gaps),
         cmocka_unit_test(hollows_are_refused),

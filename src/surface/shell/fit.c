@@ -470,7 +470,7 @@ static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
         status = shell_grid_bezier(fit->grid, fit->control, fit->bezier, error);
     if (status == BAT_OK)
         shell_fit_correct(fit);
-    if (status == BAT_OK && fit->held == NULL && fit->unbias > 0)
+    if (status == BAT_OK && (fit->held == NULL || fit->count > fit->moving) && fit->unbias > 0)
         stiffen(fit);
     return status;
 }

@@ -42,8 +42,8 @@ static const double NORMALS = 0.3;
 /// Factor of the smoothing by the noise in spacings, of which correction hides a part, and its largest value.
 static const double NOISE_SLOPE = 3, MIN_NOISE = 0.05, MAX_NOISY = 3;
 /// Factor of the smoothing where a shell is wrong, or has more folds for each patch than allowed, and the largest distance
-/// of its points in that of held-out ones.
-static const double STIFFER = 4, MAX_FOLDED = 0.001, FOLDED_STIFFER = 2, MAX_STIFFER = 1.2;
+/// of its points in that of held-out ones, or in spacings.
+static const double STIFFER = 4, MAX_FOLDED = 0.001, FOLDED_STIFFER = 2, MAX_STIFFER = 1.2, STIFFER_SPACINGS = 0.15;
 /// Share of the way to the middle of the neighbours.
 static const double RELAXATION = 0.7;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
@@ -522,10 +522,11 @@ static bat_status face_outwards(bat_mesh *mesh, bat_error *error)
 static bat_status add_normals(bat_mesh *mesh, bat_error *error)
 {
     static const char *const NAMES[] = {"normal", "normal", "normal"};
-    if (!channels_set_names(mesh, NAMES, 3) ||
-        (mesh->channels = memory_array(mesh->vertex_count, 3 * sizeof *mesh->channels)) == NULL)
-        return error_memory(error, 3 * mesh->vertex_count * sizeof *mesh->channels);
-    return bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, mesh->channels, error);
+    double *normals = memory_array(mesh->vertex_count, 3 * sizeof *normals);
+    bat_status status = normals == NULL ? error_memory(error, 3 * mesh->vertex_count * sizeof *normals)
+                                        : bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, normals, error);
+    mesh->channels = normals;
+    return status != BAT_OK || channels_set_names(mesh, NAMES, 3) ? status : error_memory(error, sizeof NAMES);
 }
 
 /// Anchor the patches that fold, and those around, as long as folds get fewer: places of their points begin anew, and points
@@ -649,7 +650,8 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
         faces = again ? faces : faces / 2;
         work->stiffness = !again ? STIFFER * work->stiffness : work->folded ? FOLDED_STIFFER * work->stiffness : 1;
         status = fit_faces(work, faces, false, progress_of_part(&last), shell, &failure);
-        if (status == BAT_OK && work->report.rms > MAX_STIFFER * work->report.held_out && !work->options->force)
+        if (status == BAT_OK && !work->options->force &&
+            work->report.rms > fmax(MAX_STIFFER * work->report.held_out, STIFFER_SPACINGS * work->report.spacing))
         {
             bat_shell_free(shell);
             status = BAT_NO_CONVERGENCE;
