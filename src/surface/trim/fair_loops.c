@@ -21,6 +21,8 @@ enum
     ARM = 4, ///< neighbours on each side for the roughness
     MIN_LOOP = 8,
     MAX_SPANS = 256,
+    CIRCLE_ROUNDS = 40,
+    SPANS = 16, ///< of a circle
     DEGREE = 3
 };
 
@@ -48,6 +50,12 @@ static const double FAIR = 1.25;
 /// Weights of second differences of control points, of exact and of rough loops, relative to the points of a span. They make
 /// the system regular and prevent oscillations where points are sparse.
 static const double REGULAR[2] = {1e-6, 1e-3};
+/// Tolerances of lines and circles in units of the scatter of points, of exact and of rough loops.
+static const double SCATTER[2] = {1.25, 1.5};
+/// Largest correlation of neighbours' distances from them, in standard deviations.
+static const double PATTERN = 3;
+/// A few points beside an exact edge, up to ROUGH from it, do not count.
+static const double MOST = 0.75;
 /// Least points of a span, of exact and of rough loops.
 static const double SPAN_POINTS[2] = {2, 8};
 
@@ -59,6 +67,7 @@ typedef struct fair_loop
     double sides[2];  ///< of the rectangle
     double spacing;   ///< median of its points
     double roughness; ///< without the part of the noise
+    double scatter;   ///< with it: the tolerance of lines and circles
     double offset;
     double window;       ///< length on each side of a corner
     bool has_corners;    ///< whether corners can be found
@@ -66,6 +75,8 @@ typedef struct fair_loop
     bool *corner;        ///< count
     double (*places)[2]; ///< count: of corners, on the curve
     double *turns;       ///< count
+    bool *straight;      ///< count: the side after a corner is a line
+    bool lines;          ///< lines and circles are tried
 } fair_loop;
 
 /// A point at a distance along the loop, which is cyclic.
@@ -126,6 +137,7 @@ static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const d
     double length = loop->at[loop->count];
     loop->offset =
         loop->roughness > ROUGH * loop->spacing ? fmax(fmin(missing / length, MAX_OFFSET * loop->roughness), DBL_MIN) : 0;
+    loop->scatter = SCATTER[loop->offset > 0] * rough + EXACT * loop->spacing;
     loop->window = WINDOWS[loop->offset > 0] * loop->spacing;
     // Windows of short loops are too small to tell the corners of a rough one from its roughness.
     loop->has_corners = loop->count >= MIN_LOOP && (loop->offset == 0 || loop->window < length / 10);
@@ -187,16 +199,9 @@ static double turn_at(const fair_loop *loop, size_t index, double window)
 }
 
 /// Where the lines before and after a corner meet, shifted to the edge; the point itself where that is far away.
-static void place_corner(fair_loop *loop, size_t index)
+static void meet_lines(fair_loop *loop, size_t index, double p[2], const double a[2], double q[2], const double b[2])
 {
-    // A loop of exact points has a point at the corner. In rough loops the nearest points belong to no side.
-    ptrdiff_t gap = loop->offset > 0 ? 1 : 0;
-    ptrdiff_t before = steps_within(loop, index, -1, loop->window) + gap;
-    ptrdiff_t after = steps_within(loop, index, 1, loop->window) + gap;
-    double p[2], a[2], q[2], b[2];
     const double *point = loop->points[index];
-    fit_line(loop, index, -before, -gap, p, a);
-    fit_line(loop, index, gap, after, q, b);
     // The inside is to the left.
     const double shift[2][2] = {{a[1] * loop->offset, -a[0] * loop->offset}, {b[1] * loop->offset, -b[0] * loop->offset}};
     for (int d = 0; d < 2; d++)
@@ -206,7 +211,7 @@ static void place_corner(fair_loop *loop, size_t index)
         loop->places[index][d] = point[d] + (shift[0][d] + shift[1][d]) / 2;
     }
     double cross = a[0] * b[1] - a[1] * b[0], along = a[0] * b[0] + a[1] * b[1];
-    if (loop->offset == 0 || fabs(cross) < 0.3)
+    if (fabs(cross) < 0.3)
         return;
     double t = ((q[0] - p[0]) * b[1] - (q[1] - p[1]) * b[0]) / cross;
     // The angle between the sides is pi less the turn.
@@ -214,6 +219,84 @@ static void place_corner(fair_loop *loop, size_t index)
     const double meet[2] = {p[0] + t * a[0], p[1] + t * a[1]};
     if (hypot(meet[0] - point[0], meet[1] - point[1]) <= MAX_REACH * loop->spacing / half_sine)
         memcpy(loop->places[index], meet, sizeof meet);
+}
+
+static void place_corner(fair_loop *loop, size_t index)
+{
+    ptrdiff_t before = steps_within(loop, index, -1, loop->window) + 1;
+    ptrdiff_t after = steps_within(loop, index, 1, loop->window) + 1;
+    double p[2], a[2], q[2], b[2];
+    memcpy(loop->places[index], loop->points[index], sizeof *loop->places);
+    if (loop->offset == 0)
+        return; // A loop of exact points has a point at the corner. In rough loops the nearest points belong to no side.
+    fit_line(loop, index, -before, -1, p, a);
+    fit_line(loop, index, 1, after, q, b);
+    meet_lines(loop, index, p, a, q, b);
+}
+
+/// Whether distances are within the tolerance, and not alike for neighbours.
+/// @param sums of squares, of products of neighbours, and the number of distances within twice the tolerance
+static bool scatters(const fair_loop *loop, const double sums[3], double count)
+{
+    double exact = EXACT * loop->spacing, tolerance = loop->scatter;
+    if (loop->offset == 0 && sums[2] >= MOST * count)
+        tolerance = fmax(tolerance, ROUGH * loop->spacing);
+    return sums[0] <= count * exact * exact ||
+           (sums[0] <= count * tolerance * tolerance && sums[1] <= PATTERN / sqrt(count) * sums[0]);
+}
+
+static void add_distance(const fair_loop *loop, double distance, double *before, double sums[3])
+{
+    sums[0] += distance * distance;
+    sums[1] += distance * *before;
+    sums[2] += fabs(distance) <= 2 * loop->scatter;
+    *before = distance;
+}
+
+/// Fit a line to points between two corners.
+static bool fit_side(const fair_loop *loop, size_t index, ptrdiff_t first, ptrdiff_t last, double mean[2], double axis[2])
+{
+    double sums[3] = {0}, before = 0;
+    if (last - first < ARM)
+        return false;
+    fit_line(loop, index, first, last, mean, axis);
+    for (ptrdiff_t k = first; k <= last; k++)
+    {
+        const double *point = point_at(loop, index, k);
+        add_distance(loop, axis[0] * (point[1] - mean[1]) - axis[1] * (point[0] - mean[0]), &before, sums);
+    }
+    return scatters(loop, sums, (double)(last - first + 1));
+}
+
+/// Find the straight sides, and put corners on them.
+static void find_sides(fair_loop *loop)
+{
+    ptrdiff_t count = (ptrdiff_t)loop->count, gap = loop->offset > 0 ? 2 : 1; // as in place_corner()
+    memset(loop->straight, 0, loop->count * sizeof *loop->straight);
+    if (!loop->lines)
+        return;
+    bool sharp = loop->offset == 0 && loop->scatter < ROUGH / 4 * loop->spacing;
+    for (ptrdiff_t i = 0; i < count; i++)
+    {
+        ptrdiff_t before = 1, after = 1;
+        double p[2], a[2], q[2], b[2], *place = loop->places[i];
+        if (!loop->corner[i])
+            continue;
+        while (!loop->corner[(i + count - before) % count])
+            before++;
+        while (!loop->corner[(i + after) % count])
+            after++;
+        loop->straight[i] = fit_side(loop, (size_t)i, gap, after - gap, q, b);
+        bool behind = fit_side(loop, (size_t)i, gap - before, -gap, p, a);
+        if (loop->straight[i] && behind && !sharp)
+            meet_lines(loop, (size_t)i, p, a, q, b);
+        const double *at = behind ? p : q, *axis = behind ? a : b;
+        if (behind == loop->straight[i] || sharp)
+            continue;
+        double off = axis[0] * (place[1] - at[1]) - axis[1] * (place[0] - at[0]) + loop->offset;
+        place[0] += axis[1] * off;
+        place[1] -= axis[0] * off;
+    }
 }
 
 /// Whether a corner has no rival of a larger turn within its window.
@@ -248,6 +331,7 @@ static void find_corners(fair_loop *loop)
     for (size_t i = 0; i < loop->count; i++)
         if (loop->corner[i])
             place_corner(loop, i);
+    find_sides(loop);
 }
 
 // Curves
@@ -417,6 +501,49 @@ static bool is_within(const fair_loop *loop, const bat_spline_curve *curve)
     return true;
 }
 
+/// Fit a circle to the points of a loop, as cubics between the corners of a regular polygon.
+static bool fit_circle(const fair_loop *loop, const fair_piece *piece, bat_spline_curve *curve)
+{
+    double circle[3] = {0}, count = (double)piece->count - 1, turn = 0;
+    for (size_t i = 0; i + 1 < piece->count; i++)
+        for (int d = 0; d < 2; d++)
+            circle[d] += piece->points[i][d] / count;
+    for (int round = 0; round <= CIRCLE_ROUNDS; round++)
+    {
+        double step[3] = {0}, sums[3] = {0}, before = 0;
+        for (size_t i = 0; i + 1 < piece->count; i++)
+        {
+            const double from[2] = {piece->points[i][0] - circle[0], piece->points[i][1] - circle[1]};
+            double distance = hypot(from[0], from[1]), off = distance - circle[2];
+            for (int d = 0; d < 2; d++)
+                step[d] += 2 * off * from[d] / (distance * count);
+            step[2] += off / count;
+            add_distance(loop, off, &before, sums);
+            turn += vector2_turn(circle, piece->points[i], piece->points[i + 1]);
+        }
+        for (int d = 0; d < 3 && round < CIRCLE_ROUNDS; d++)
+            circle[d] += step[d];
+        if (round == CIRCLE_ROUNDS && (count < MIN_LOOP || !scatters(loop, sums, count)))
+            return false;
+    }
+    *curve = (bat_spline_curve){.dimension = 2, .control = memory_array(2 * SPANS + 2, 2 * sizeof(double))};
+    curve->knots = (bat_knot_vector){memory_array(2 * SPANS + 6, sizeof(double)), 2 * SPANS + 6, DEGREE};
+    if (curve->control == NULL || curve->knots.knots == NULL)
+        return false;
+    for (size_t i = 0; i < curve->knots.count; i++)
+        curve->knots.knots[i] = fmin(fmax((double)(i / 2) - 1, 0) / SPANS, 1);
+    for (size_t i = 0; i < 2 * SPANS + 2; i++)
+    {
+        // Ends, and two control points inside of each span.
+        bool end = i == 0 || i == 2 * SPANS + 1;
+        double step = copysign(ANGLE_TURN, turn) / SPANS, angle = end ? 0 : step * (double)(i / 2);
+        double reach = (end ? 0 : i % 2 == 1 ? 4. / 3 : -4. / 3) * tan(step / 4);
+        curve->control[2 * i] = circle[0] + circle[2] * (cos(angle) - reach * sin(angle));
+        curve->control[2 * i + 1] = circle[1] + circle[2] * (sin(angle) + reach * cos(angle));
+    }
+    return is_within(loop, curve);
+}
+
 /// Fit the curve with the fewest spans within the tolerance; the polygon of exact points where there is none.
 static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline_curve *curve, bat_error *error)
 {
@@ -521,7 +648,16 @@ static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_err
             steps++;
         gather_piece(loop, begin, steps, &piece);
         drop_overrun(&piece);
-        status = fit_piece(loop, &piece, &trim->pieces[pieces], error);
+        if (!piece.closed && loop->has_corners && loop->straight[begin]) // a line between its ends
+        {
+            memcpy(piece.points[1], piece.points[piece.count - 1], sizeof *piece.points);
+            piece.count = 2;
+        }
+        if (!piece.closed || !loop->lines || !fit_circle(loop, &piece, &trim->pieces[pieces]))
+        {
+            spline_curve_free(&trim->pieces[pieces]);
+            status = fit_piece(loop, &piece, &trim->pieces[pieces], error);
+        }
         pieces += status == BAT_OK;
         begin = (begin + steps) % loop->count;
         left -= steps;
@@ -555,24 +691,41 @@ static double curve_area(const bat_spline_trim *trim)
     return sum;
 }
 
-/// Fit curves that surround the area of the points and of the offset: corners and smoothing change it.
+/// Remove the curves of the last loop.
+static void drop_loop(bat_spline_trim *trim)
+{
+    trim->loop_count--;
+    for (size_t i = trim->loops[trim->loop_count]; i < trim->loops[trim->loop_count + 1]; i++)
+        spline_curve_free(&trim->pieces[i]);
+}
+
+/// Fit curves that surround the area of the points and of the offset: corners and smoothing change it. Lines and circles
+/// that surround another area are not kept.
 static bat_status fit_area(fair_loop *loop, bat_spline_trim *trim, bat_error *error)
 {
     static const int ROUNDS = 3;
-    double length = loop->at[loop->count], area = loop->offset * length, most = 2 * loop->spacing;
+    // Of areas; polygons through exact points of circles are smaller by 6.6 / count^2.
+    double change = 1e-3 + (loop->offset > 0 ? 0 : 8 / ((double)loop->count * (double)loop->count));
+    double length = loop->at[loop->count], offset = loop->offset, area = offset * length, most = 2 * loop->spacing;
     for (size_t i = 1; i + 1 < loop->count; i++)
         area += vector2_turn(loop->points[0], loop->points[i], loop->points[i + 1]) / 2;
-    bat_status status = fit_loop(loop, trim, error);
-    for (int round = 0; round < ROUNDS && status == BAT_OK && loop->offset > 0; round++)
+    for (int lines = 1;; lines--)
     {
-        loop->offset = fmin(fmax(loop->offset + (area - curve_area(trim)) / length, DBL_MIN), most);
-        trim->loop_count--;
-        for (size_t i = trim->loops[trim->loop_count]; i < trim->loops[trim->loop_count + 1]; i++)
-            spline_curve_free(&trim->pieces[i]);
+        loop->lines = lines > 0;
+        loop->offset = offset;
         find_corners(loop);
-        status = fit_loop(loop, trim, error);
+        bat_status status = fit_loop(loop, trim, error);
+        for (int round = 0; round < ROUNDS && status == BAT_OK && loop->offset > 0; round++)
+        {
+            loop->offset = fmin(fmax(loop->offset + (area - curve_area(trim)) / length, DBL_MIN), most);
+            drop_loop(trim);
+            find_corners(loop);
+            status = fit_loop(loop, trim, error);
+        }
+        if (status != BAT_OK || lines == 0 || fabs(curve_area(trim) - area) <= change * fabs(area))
+            return status;
+        drop_loop(trim);
     }
-    return status;
 }
 
 /// The polygon of a loop's own points, shifted, as its only piece.
@@ -636,6 +789,7 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
     loop->corner = memory_pool_array(&loop->pool, count, sizeof *loop->corner);
     loop->places = memory_pool_array(&loop->pool, count, sizeof *loop->places);
     loop->turns = memory_pool_array(&loop->pool, count, sizeof *loop->turns);
+    loop->straight = memory_pool_array(&loop->pool, count, sizeof *loop->straight);
     bat_status status = memory_pool_check(&loop->pool, error);
     if (status != BAT_OK)
         return status;
