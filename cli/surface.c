@@ -4,6 +4,7 @@
 #include "batten/research/networks.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,10 @@ typedef struct surface_job
     bool converts; ///< IN is a surface, which is written in another format
     bat_cloud cloud;
     bat_surface_result result;
-    bool shell; ///< the surface has any shape: asked for, or found
+    bat_surface_primitive shape; ///< that the points lie on
+    surface_written written;
+    bool spline; ///< also where the points lie on a shape
+    bool shell;  ///< the surface has any shape: asked for, or found
     bat_shell_reconstruct_options shell_options;
     bat_shell made;
     bat_shell_report shell_report;
@@ -73,6 +77,8 @@ static const option_spec OPTIONS[] = {
      "the format of IN, see `batten list formats`; default: by the file's ending, failing that by its content",
      CHOICE(surface_job, read.format, bat_cloud_format_family)},
     {"force", NULL, RESULT, 0, "write also a surface that the points prove wrong", FLAG(surface_job, options.force)},
+    {"keep-spline", NULL, RESULT, 0, "of STEP: a spline also where the points lie on a plane, sphere, cylinder or cone",
+     FLAG(surface_job, spline)},
     {"cage", "FILE", RESULT, IS_WRITTEN, "with --shell: write the control points as a mesh of quads, .obj with creases",
      TEXT(surface_job, cage)},
     {"parameters", "FILE", RESULT, IS_WRITTEN, "write u v of each point, in the order of IN", TEXT(surface_job, parameters)},
@@ -171,6 +177,7 @@ static void begin(void *to)
     job->options = bat_surface_reconstruct_defaults();
     job->shell_options = bat_shell_reconstruct_defaults();
     job->read.notes = &job->notes;
+    job->written.area = NAN;
 }
 
 static bool check(void *of)
@@ -294,7 +301,10 @@ static int report_shell(const surface_job *job)
         shell->cage.vertex_count, fact, report->rms, report->largest, report->held_out, report->normal_jump[1] * DEGREES,
         report->normal_jump[2] * DEGREES, report->volume, report->mesh_volume, report->pieces, report->holes, report->filled,
         report->dropped_pieces, (int)shell->closed, report->spacing, report->missed, report->cut_handles, report->crossings);
-    json_t *shape = surface_shape(&job->cloud, &known, job->call.json);
+    bat_surface_primitive found = {.kind = BAT_SURFACE_PRIMITIVE_NONE};
+    if (job->cloud.points != NULL)
+        (void)bat_surface_find_primitive(&job->cloud, &known, &found, report_error());
+    json_t *shape = surface_shape(&found, NULL, job->call.json);
     return report_whole(job->call.json, job->call.json ? report_add(object, "shape", shape) : NULL);
 }
 
@@ -350,6 +360,13 @@ static int draw(const surface_job *job)
                                                     .parameters = result->parameters});
 }
 
+/// Whether the spline meets a tolerance that the shape does not.
+static bool misses_tolerance(const surface_job *job)
+{
+    double tolerance = job->options.fit.tolerance;
+    return tolerance > 0 && job->result.report.reached && job->shape.largest > tolerance;
+}
+
 /// Write the surface; the distances of a cloud go along where the format holds them.
 static int write_surface(void *of, const char *path)
 {
@@ -363,8 +380,12 @@ static int write_surface(void *of, const char *path)
         write.errors = job->result.report.distances;
         write.point_count = job->cloud.count;
     }
+    bat_surface_primitive shape = job->shape;
+    if (job->spline || misses_tolerance(job))
+        shape.kind = BAT_SURFACE_PRIMITIVE_NONE;
     return report_status(job->call.given, job->call.output,
-                         bat_surface_write(path, &job->result.surface, &write, report_error()));
+                         bat_surface_write_shape(path, &job->result.surface, &shape, &write, job->written.edges,
+                                                 &job->written.area, report_error()));
 }
 
 // A conversion
@@ -404,6 +425,9 @@ static int make(void *of)
         code = reconstruct(job);
     if (job->shell)
         return code;
+    if (code == EXIT_DONE)
+        code = report_status(job->call.given, in,
+                             bat_surface_find_primitive(&job->cloud, &job->result, &job->shape, report_error()));
     if (code == EXIT_DONE && job->call.picture != NULL)
         code = draw(job);
     if (code == EXIT_DONE && job->parameters != NULL)
@@ -419,7 +443,8 @@ static int report(void *of)
         return report_converted(job);
     if (job->shell)
         return report_shell(job);
-    surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result, &job->notes};
+    surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result,
+                                 &job->notes,     &job->shape, &job->written};
     int code = EXIT_DONE;
     if (job->call.json)
         code = report_json(surface_report(&findings, true));

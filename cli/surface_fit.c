@@ -311,15 +311,27 @@ static const struct
               [BAT_SURFACE_PRIMITIVE_CYLINDER] = {"axis", "through"},
               [BAT_SURFACE_PRIMITIVE_CONE] = {"axis", "apex"}};
 
-json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, bool as_json)
+/// Tell what a file holds of a shape.
+static json_t *report_written(const bat_surface_primitive *shape, const surface_written *written, bool as_json)
 {
-    bat_surface_primitive shape;
-    if (cloud->points == NULL || bat_surface_find_primitive(cloud, result, &shape, report_error()) != BAT_OK ||
-        shape.kind == BAT_SURFACE_PRIMITIVE_NONE)
+    if (written == NULL || isnan(written->area))
+        return json_null();
+    return report_part(as_json,
+                       "  written as a {kind} of area {area:.7g}, with edges: {lines} lines, {circles} circles, {splines} "
+                       "splines\n",
+                       "kind:s area:n lines:z circles:z splines:z",
+                       bat_choice_name(&bat_surface_primitive_kind_family, (int)shape->kind), written->area,
+                       written->edges[1], written->edges[2], written->edges[0]);
+}
+
+json_t *surface_shape(const bat_surface_primitive *found, const surface_written *written, bool as_json)
+{
+    const bat_surface_primitive shape = *found;
+    if (shape.kind == BAT_SURFACE_PRIMITIVE_NONE)
         return as_json ? json_null() : NULL;
     bool sphere = shape.kind == BAT_SURFACE_PRIMITIVE_SPHERE;
     const double *at = shape.place, *axis = shape.axis;
-    return report_part(
+    json_t *object = report_part(
         as_json,
         "the points lie on a {kind}[radius? of radius {radius:.6g} (s.d. {radius_deviation:.2g})][angle? of half-angle "
         "{degrees:.6g} degrees (s.d. {degrees_deviation:.2g})][!sphere?, {line} {i:.6f} {j:.6f} {k:.6f} (s.d. {tilt:.2g} "
@@ -333,6 +345,8 @@ json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, 
         sphere ? json_null() : report_numbers(axis, 3), shape.radius, shape.radius_deviation, shape.angle,
         shape.angle_deviation, shape.place_deviation, shape.axis_deviation, shape.angle / DEGREE,
         shape.angle_deviation / DEGREE, shape.axis_deviation / DEGREE, shape.rms, shape.largest, shape.pattern);
+    json_t *file = report_written(found, written, as_json);
+    return as_json ? report_add(object, "written", file) : object;
 }
 
 /// The notes of reading, and one on a noise that was told and contradicts the points.
@@ -369,7 +383,7 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
         print_end(findings);
     if (!as_json)
         (void)printf("form: %s\n", form);
-    json_t *shape = surface_shape(findings->cloud, result, as_json);
+    json_t *shape = surface_shape(findings->shape, findings->written, as_json);
     const bat_spline_trim *cuts = &result->surface.trim;
     json_t *trim = json_null();
     if (cuts->loop_count > 0)

@@ -169,6 +169,13 @@ extern const option_spec SURFACE_FIT_OPTIONS[], SURFACE_WRITE_OPTIONS[];
 /// Read what no row reads, and check the options of the fit. False after a message.
 bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit);
 
+/// What a file holds of a simple shape.
+typedef struct surface_written
+{
+    size_t edges[3]; ///< splines, lines, circles
+    double area;     ///< NaN for a spline
+} surface_written;
+
 /// What is reported on.
 typedef struct surface_findings
 {
@@ -177,14 +184,17 @@ typedef struct surface_findings
     const bat_surface_reconstruct_options *options;
     const bat_surface_result *result;
     const bat_mesh_notes *notes; ///< of reading
+    const bat_surface_primitive *shape;
+    const surface_written *written;
 } surface_findings;
 
 /// Characters of a verdict in words, its end included.
 #define SURFACE_VERDICT_SIZE 120
 /// The verdict in words, written into `text`: "right", "right, but ..." or "wrong: ...".
 const char *surface_verdict(const bat_surface_verdict *verdict, char text[SURFACE_VERDICT_SIZE]);
-/// Tell the simple shape that points lie on, where there is one; the null of JSON where there is none.
-json_t *surface_shape(const bat_cloud *cloud, const bat_surface_result *result, bool as_json);
+/// Tell the simple shape that points lie on, and what was written of it, which may be null; the null of JSON without a
+/// shape.
+json_t *surface_shape(const bat_surface_primitive *shape, const surface_written *written, bool as_json);
 /// Print the report and return null, or return it as an object, which is null where memory ran out.
 json_t *surface_report(const surface_findings *findings, bool as_json);
 

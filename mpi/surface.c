@@ -345,7 +345,10 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     if (!job->finds && !job->call.json)
         cloud.boundary_count = 0;
     static const bat_mesh_notes NO_NOTES;
-    surface_findings findings = {job->input, &cloud, &job->options, &made->result, &NO_NOTES};
+    bat_surface_primitive shape;
+    if (cloud.points == NULL || bat_surface_find_primitive(&cloud, &made->result, &shape, NULL) != BAT_OK)
+        shape.kind = BAT_SURFACE_PRIMITIVE_NONE;
+    const surface_findings findings = {job->input, &cloud, &job->options, &made->result, &NO_NOTES, &shape, NULL};
     if (job->call.json)
     {
         json_t *object = surface_report(&findings, true);

@@ -63,6 +63,16 @@ extern BAT_API const bat_options_table bat_surface_write_fields;
 ///         BAT_TOO_LARGE beyond 2^32 - 1 samples or entities; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
                                      const bat_surface_write_options *options, bat_error *error);
+/// Write a surface as the simple shape that its points lie on, with its outline projected onto the shape. Edges are lines
+/// and circles where these are as near as the points. The spline is written in formats other than STEP, and where the shape
+/// needs a seam or a pole.
+/// @param shape of bat_surface_find_primitive()
+/// @param edges null, or receives the numbers of splines, lines and circles, all 0 where the spline was written
+/// @param area  null, or receives that of the shape; NaN where the spline was written
+/// @return as bat_surface_write()
+BAT_API bat_status bat_surface_write_shape(const char *path, const bat_spline_surface *surface,
+                                           const bat_surface_primitive *shape, const bat_surface_write_options *options,
+                                           size_t edges[3], double *area, bat_error *error);
 /// Write a shell: as STEP, whose closed parts are solids, or as a mesh in a format of batten/mesh_file.h that has polygons.
 /// @param options null for the defaults; the format and the unit count, and `samples` of each patch for meshes
 /// @return as bat_surface_write(); BAT_UNSUPPORTED for another format

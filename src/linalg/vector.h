@@ -162,6 +162,16 @@ static inline double chord_angle(const double *p, const double *q)
     return 2 * atan2(sqrt(chord_square(p, q)), sqrt(chord_square(p, (double[3]){-q[0], -q[1], -q[2]})));
 }
 
+/// Complete a frame whose last axis has any length (Duff et al., "Building an orthonormal basis, revisited", 2017).
+static inline void vector3_complete(double axes[3][3])
+{
+    (void)vector3_normalize(axes[2]);
+    double x = axes[2][0], y = axes[2][1], sign = copysign(1, axes[2][2]), a = -1 / (sign + axes[2][2]);
+    const double first[2][3] = {{1 + sign * x * x * a, sign * x * y * a, -sign * x}, {x * y * a, sign + y * y * a, -y}};
+    for (int k = 0; k < 6; k++)
+        axes[k / 3][k % 3] = first[k / 3][k % 3];
+}
+
 // Boxes along the axes of n dimensions, from `low` to `high`.
 
 /// Make a box empty: every point widens it.

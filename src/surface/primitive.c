@@ -42,15 +42,6 @@ typedef struct shape_fit
     double matrix[PARAMETERS * PARAMETERS], gradient[PARAMETERS]; ///< J^T J and J^T d for the Jacobian J of d
 } shape_fit;
 
-/// Complete a frame whose last axis has any length (Duff et al., "Building an orthonormal basis, revisited", 2017).
-static void complete_frame(double axes[3][3])
-{
-    (void)vector3_normalize(axes[2]);
-    double x = axes[2][0], y = axes[2][1], sign = copysign(1, axes[2][2]), a = -1 / (sign + axes[2][2]);
-    const double first[2][3] = {{1 + sign * x * x * a, sign * x * y * a, -sign * x}, {x * y * a, sign + y * y * a, -y}};
-    memcpy(axes, first, sizeof first);
-}
-
 /// The signed distance of a point, and its derivatives by all parameters. Those by the shifts are the negative gradient.
 static double distance_of(const shape_fit *fit, const double point[3], double row[PARAMETERS])
 {
@@ -129,7 +120,7 @@ static void refine(const double *points, size_t count, size_t stride, int rounds
             next.place[c] -= step[0] * fit->axes[0][c] + step[1] * fit->axes[1][c] + step[2] * fit->axes[2][c];
             next.axes[2][c] -= step[3] * fit->axes[0][c] + step[4] * fit->axes[1][c];
         }
-        complete_frame(next.axes);
+        vector3_complete(next.axes);
         next.radius -= step[5];
         next.angle -= step[6];
         measure(points, count, stride, &next);
@@ -175,7 +166,7 @@ static void fit_shape(const double *points, size_t count, shape_fit *fit)
     {
         double z = ((double)k + 0.5) / (double)starts, r = sqrt(1 - z * z), turn = golden * (double)k;
         shape_fit start = {.kind = fit->kind, .axes[2] = {r * cos(turn), r * sin(turn), z}};
-        complete_frame(start.axes);
+        vector3_complete(start.axes);
         begin(points, count, few, &start);
         refine(points, count, few, 20, &start);
         *fit = start.squares < fit->squares ? start : *fit;

@@ -5,6 +5,7 @@
 #include "surface/spline/tensor_surface.h"
 
 #include "batten/batten.h"
+#include "io/common/file_text.h"
 #include "io/surface/step.h"
 #include "surface/trim/trimming.h"
 
@@ -315,6 +316,62 @@ static void plates_are_planes_with_holes(void **state)
     bat_cloud_free(&cloud);
 }
 
+/// The number of times that a file has a text.
+static size_t count_text(const char *path, const char *word)
+{
+    size_t count = 0;
+    file_text text;
+    check_status(file_text_read(path, NULL, &text, NULL), BAT_OK);
+    for (const char *at = text.data; (at = strstr(at, word)) != NULL; at++)
+        count++;
+    file_text_free(&text);
+    return count;
+}
+
+/// A plate is a plane with lines and circles in STEP, and its area is that of these; a bent one is a cylinder.
+static void plates_are_simple_shapes_in_step(void **state)
+{
+    (void)state;
+    for (int bent = 0; bent < 2; bent++)
+    {
+        bat_cloud cloud = cloud_of(&SHAPES[3], POINTS, true, bent, 7);
+        bat_surface_result result = must_trim(&cloud, 0);
+        bat_surface_primitive shape;
+        size_t edges[3];
+        double area;
+        check_status(bat_surface_find_primitive(&cloud, &result, &shape, NULL), BAT_OK);
+        assert_int_equal(shape.kind, bent ? BAT_SURFACE_PRIMITIVE_CYLINDER : BAT_SURFACE_PRIMITIVE_PLANE);
+        check_status(bat_surface_write_shape("shape.step", &result.surface, &shape, NULL, edges, &area, NULL), BAT_OK);
+        check_near(area / area_of(&SHAPES[3]), 1, LIMITS[1]);
+        check_near(area / area_of_triangles(&result.surface), 1, bent ? 5e-3 : 1e-3);
+        assert_int_equal(count_text("shape.step", "=B_SPLINE_SURFACE"), 0);
+        assert_int_equal(count_text("shape.step", "=CYLINDRICAL_SURFACE("), bent);
+        assert_int_equal(count_text("shape.step", "=PLANE("), !bent);
+        assert_int_equal(count_text("shape.step", "=LINE("), edges[1]);
+        assert_int_equal(count_text("shape.step", "=CIRCLE("), edges[2]);
+        assert_int_equal(count_text("shape.step", "=B_SPLINE_CURVE"), edges[0]);
+        if (!bent)
+            assert_true(edges[1] == 4 && edges[2] >= 2);
+#ifdef CAD_READER
+        check_by_reader("shape.step", area, 1e-4);
+#endif
+        // A full turn needs a seam: the spline is written.
+        shape = (bat_surface_primitive){.kind = BAT_SURFACE_PRIMITIVE_CYLINDER,
+                                        .axis = {0.6, 0, 0.8},
+                                        .radius = 1e-3,
+                                        .place = {1.5, 0.8, -0.4},
+                                        .angle = NAN};
+        if (!bent)
+        {
+            check_status(bat_surface_write_shape("spline.step", &result.surface, &shape, NULL, edges, &area, NULL), BAT_OK);
+            assert_true(isnan(area) && edges[0] + edges[1] + edges[2] == 0);
+            assert_int_equal(count_text("spline.step", "=B_SPLINE_SURFACE"), 1);
+        }
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+    }
+}
+
 static void small_holes_are_filled(void **state)
 {
     (void)state;
@@ -602,6 +659,7 @@ int main(void)
         cmocka_unit_test(narrow_notches_are_cut),
         cmocka_unit_test(discs_of_few_points_have_their_areas),
         cmocka_unit_test(plates_are_planes_with_holes),
+        cmocka_unit_test(plates_are_simple_shapes_in_step),
         cmocka_unit_test(small_holes_are_filled),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(curves_go_through_json),

@@ -111,6 +111,15 @@ bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_for
 bat_status bat_surface_write(const char *path, const bat_spline_surface *surface, const bat_surface_write_options *options,
                              bat_error *error)
 {
+    const bat_surface_primitive none = {.kind = BAT_SURFACE_PRIMITIVE_NONE};
+    return bat_surface_write_shape(path, surface, &none, options, NULL, NULL, error);
+}
+
+bat_status bat_surface_write_shape(const char *path, const bat_spline_surface *surface, const bat_surface_primitive *shape,
+                                   const bat_surface_write_options *options, size_t edges[3], double *area, bat_error *error)
+{
+    size_t counts[3] = {0};
+    double measured = NAN;
     const bat_surface_write_options defaults = bat_surface_write_defaults();
     if (options == NULL)
         options = &defaults;
@@ -129,7 +138,14 @@ bat_status bat_surface_write(const char *path, const bat_spline_surface *surface
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = surface_write_text(surface, format, options, &sink, error);
+    if (shape->kind == BAT_SURFACE_PRIMITIVE_NONE || format != BAT_SURFACE_FORMAT_STEP)
+        status = surface_write_text(surface, format, options, &sink, error);
+    else
+        status = surface_shape_write(surface, shape, options, &sink, counts, &measured, error);
+    if (edges != NULL)
+        memcpy(edges, counts, sizeof counts);
+    if (area != NULL)
+        *area = measured;
     return atomic_file_end(&file, status, error);
 }
 

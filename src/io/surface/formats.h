@@ -15,6 +15,10 @@ typedef bat_status surface_writer(const bat_spline_surface *surface, const bat_s
 surface_writer surface_xml_write, surface_json_write, surface_step_write, surface_iges_write, surface_vtk_write,
     surface_obj_write;
 
+/// Write a surface as STEP of a simple shape, where it fits; see bat_surface_write_shape().
+bat_status surface_shape_write(const bat_spline_surface *surface, const bat_surface_primitive *shape,
+                               const bat_surface_write_options *options, text_sink *sink, size_t edges[3], double *area,
+                               bat_error *error);
 /// Write a shell as STEP: a solid of each closed part, a surface model of each open one.
 bat_status shell_step_write(const bat_shell *shell, const bat_surface_write_options *options, text_sink *sink,
                             bat_error *error);

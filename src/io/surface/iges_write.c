@@ -239,7 +239,7 @@ bat_status surface_iges_write(const bat_spline_surface *surface, const bat_surfa
     iges_file file = {0};
     text_buffer head = {0};
     char content[96];
-    bat_status status = trimmed_model_make(surface, &model, error);
+    bat_status status = trimmed_model_make(surface, NULL, &model, error);
     if (status != BAT_OK)
         return status;
     append_record(&head, "B-spline surface", 'S', 1);

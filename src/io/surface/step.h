@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/memory.h"
-#include "batten/shell.h"
+#include "batten/surface_file.h"
 #include "surface/spline/tensor_surface.h"
 
 /// @file
@@ -40,9 +40,33 @@ void tessellation_free(surface_tessellation *tessellation);
 
 // A hierarchical surface as one tensor-product surface, with its trimming curves in space, for CAD files.
 
+/// The curve of an edge: its image; a line, with a place before its first point; or a circle around a place and an axis.
+typedef struct shape_curve
+{
+    enum
+    {
+        SHAPE_SPLINE,
+        SHAPE_LINE,
+        SHAPE_CIRCLE
+    } kind;
+    double place[3], axis[3], radius;
+} shape_curve;
+
+/// A simple shape that replaces the surface, in a frame around its axis whose first axis is opposite to the outline.
+typedef struct shape_model
+{
+    bat_surface_primitive shape; ///< of kind BAT_SURFACE_PRIMITIVE_NONE where the surface stays
+    double axes[3][3];
+    double height; ///< of the outline's first point
+    double area;   ///< negative where the shape's normal is opposite to that of the surface
+} shape_model;
+
 /// The model. Release it with trimmed_model_free().
 typedef struct trimmed_model
 {
+    const bat_spline_surface *source;
+    shape_model shape;
+    shape_curve *curves;         ///< of each image
     tensor_surface surface;      ///< over the grid of the finest level
     const bat_spline_trim *trim; ///< of the hierarchical surface
     bat_spline_curve *images;    ///< of each trimming curve: the curve in space, with the same parameters
@@ -50,10 +74,20 @@ typedef struct trimmed_model
     double tolerance; ///< points at smaller distances are identified
 } trimmed_model;
 
-/// Make the model.
+/// Make the model, with images on a simple shape where one is given.
+/// @param shape null for none
 /// @return BAT_OK; BAT_TOO_LARGE where the finest level has more than 2^20 functions; BAT_NO_MEMORY
-bat_status trimmed_model_make(const bat_spline_surface *surface, trimmed_model *model, bat_error *error);
+bat_status trimmed_model_make(const bat_spline_surface *surface, const bat_surface_primitive *shape, trimmed_model *model,
+                              bat_error *error);
 void trimmed_model_free(trimmed_model *model);
+
+/// Choose axes.
+/// @param middle a point of the surface
+void shape_model_begin(const bat_surface_primitive *shape, const double middle[3], shape_model *model);
+/// The nearest point of the shape.
+void shape_model_project(const shape_model *model, const double point[3], double foot[3]);
+/// Choose the curves of edges, and measure the shape. False where it needs a seam or a pole.
+bool shape_model_end(trimmed_model *model);
 
 /// The power of ten below the diagonal of the box of control points, times 1e-7.
 double model_tolerance(const tensor_surface *patches, size_t count);

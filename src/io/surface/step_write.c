@@ -1,6 +1,8 @@
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
 
+#include "linalg/vector.h"
+
 #include <stdarg.h>
 
 /// @file
@@ -137,19 +139,32 @@ typedef struct step_entities
     size_t face_count;
 } step_entities;
 
-/// Write a CARTESIAN_POINT with 2 or 3 coordinates. Returns its number.
-static uint32_t write_point(step_text *step, const double *point, size_t dimension)
+/// Write an entity of 2 or 3 numbers. Returns its number.
+static uint32_t write_numbers(step_text *step, const char *text, const double *numbers, size_t count)
 {
-    uint32_t entity = begin_entity(step, "CARTESIAN_POINT('',");
+    uint32_t entity = begin_entity(step, text);
     begin_list(step);
-    for (size_t c = 0; c < dimension; c++)
+    for (size_t c = 0; c < count; c++)
     {
         begin_item(step);
-        append_real(step, point[c]);
+        append_real(step, numbers[c]);
     }
     end_list(step);
     end_entity(step, ")");
     return entity;
+}
+
+static uint32_t write_point(step_text *step, const double *point, size_t dimension)
+{
+    return write_numbers(step, "CARTESIAN_POINT('',", point, dimension);
+}
+
+/// Write a placement with its last and its first axis. Returns its number.
+static uint32_t write_placement(step_text *step, const double place[3], const double axis[3], const double across[3])
+{
+    uint32_t point = write_point(step, place, 3), last = write_numbers(step, "DIRECTION('',", axis, 3);
+    uint32_t first = write_numbers(step, "DIRECTION('',", across, 3);
+    return write_entity(step, "AXIS2_PLACEMENT_3D('',#%u,#%u,#%u)", point, last, first);
 }
 
 static void write_header(step_text *step)
@@ -194,7 +209,7 @@ static uint32_t write_length_unit(step_text *step, bat_surface_unit unit)
 /// Write the units, the tolerance, and the placement at the origin.
 static void write_context(step_text *step, bat_surface_unit unit, double tolerance, step_entities *entities)
 {
-    static const double origin[3] = {0, 0, 0};
+    static const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, across[3] = {1, 0, 0};
     uint32_t length = write_length_unit(step, unit);
     uint32_t angle = write_entity(step, "(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
     uint32_t solid = write_entity(step, "(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
@@ -206,10 +221,7 @@ static void write_context(step_text *step, bat_surface_unit unit, double toleran
                                      "(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#%u))"
                                      "GLOBAL_UNIT_ASSIGNED_CONTEXT((#%u,#%u,#%u))REPRESENTATION_CONTEXT('','3D'))",
                                      uncertainty, length, angle, solid);
-    uint32_t place = write_point(step, origin, 3);
-    uint32_t axis = write_entity(step, "DIRECTION('',(0.,0.,1.))");
-    uint32_t across = write_entity(step, "DIRECTION('',(1.,0.,0.))");
-    entities->placement = write_entity(step, "AXIS2_PLACEMENT_3D('',#%u,#%u,#%u)", place, axis, across);
+    entities->placement = write_placement(step, origin, up, across);
 }
 
 /// Write the points of a spline. Returns the number of the first.
@@ -424,6 +436,37 @@ static bool begins_edge(const bat_spline_curve *piece, const bat_spline_curve *i
     return piece->knots.knots[span] == t && piece->knots.knots[span + 1 - (size_t)piece->knots.degree] == t;
 }
 
+/// Write the surface of a simple shape.
+static uint32_t write_shape(step_text *step, const shape_model *model)
+{
+    const bat_surface_primitive *shape = &model->shape;
+    double place[3], height = shape->kind == BAT_SURFACE_PRIMITIVE_CONE ? model->height : 0;
+    for (int c = 0; c < 3; c++)
+        place[c] = shape->place[c] + height * model->axes[2][c];
+    uint32_t at = write_placement(step, place, model->axes[2], model->axes[0]);
+    if (shape->kind == BAT_SURFACE_PRIMITIVE_PLANE)
+        return write_entity(step, "PLANE('',#%u)", at);
+    if (shape->kind == BAT_SURFACE_PRIMITIVE_CONE)
+        return write_entity(step, "CONICAL_SURFACE('',#%u,%#.17G,%#.17G)", at, height * tan(shape->angle), shape->angle);
+    return write_entity(step, "%s_SURFACE('',#%u,%#.17G)",
+                        shape->kind == BAT_SURFACE_PRIMITIVE_SPHERE ? "SPHERICAL" : "CYLINDRICAL", at, shape->radius);
+}
+
+/// Write the curve in space of an edge.
+static uint32_t write_edge(step_text *step, const bat_spline_curve *image, const shape_curve *curve)
+{
+    double across[3];
+    if (curve->kind == SHAPE_SPLINE)
+        return write_curve(step, &image->knots, image->control, 3);
+    vector3_subtract(image->control, curve->place, across);
+    (void)vector3_normalize(across);
+    if (curve->kind == SHAPE_CIRCLE)
+        return write_entity(step, "CIRCLE('',#%u,%#.17G)", write_placement(step, curve->place, curve->axis, across),
+                            curve->radius);
+    uint32_t point = write_point(step, image->control, 3), along = write_numbers(step, "DIRECTION('',", across, 3);
+    return write_entity(step, "LINE('',#%u,#%u)", point, write_entity(step, "VECTOR('',#%u,1.)", along));
+}
+
 /// Write the edges of a loop and the bound of the face. Edges of one image share its curves. Returns the number of the
 /// bound.
 static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model, size_t loop, uint32_t surface,
@@ -434,13 +477,17 @@ static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model,
     for (size_t i = model->trim->loops[loop]; i < model->trim->loops[loop + 1]; i++)
     {
         const bat_spline_curve *image = &model->images[i], *piece = &model->trim->pieces[i];
-        uint32_t space = write_curve(step, &image->knots, image->control, 3);
-        uint32_t curve = write_curve(step, &piece->knots, piece->control, 2);
-        uint32_t definition = write_entity(step, "DEFINITIONAL_REPRESENTATION('',(#%u),#%u)", curve, planar);
-        uint32_t flat = write_entity(step, "PCURVE('',#%u,#%u)", surface, definition);
-        uint32_t both = write_entity(step, "SURFACE_CURVE('',#%u,(#%u),.CURVE_3D.)", space, flat);
+        bool whole = model->curves[i].kind != SHAPE_SPLINE;
+        uint32_t both = write_edge(step, image, &model->curves[i]);
+        if (model->shape.shape.kind == BAT_SURFACE_PRIMITIVE_NONE)
+        {
+            uint32_t curve = write_curve(step, &piece->knots, piece->control, 2);
+            uint32_t definition = write_entity(step, "DEFINITIONAL_REPRESENTATION('',(#%u),#%u)", curve, planar);
+            uint32_t flat = write_entity(step, "PCURVE('',#%u,#%u)", surface, definition);
+            both = write_entity(step, "SURFACE_CURVE('',#%u,(#%u),.CURVE_3D.)", both, flat);
+        }
         for (size_t k = 0; 3 * k + 1 < knot_vector_functions(&image->knots); k++)
-            if (begins_edge(piece, image, k))
+            if (whole ? k == 0 : begins_edge(piece, image, k))
             {
                 uint32_t point = write_point(step, image->control + 9 * k, 3);
                 vertices[count] = write_entity(step, "VERTEX_POINT('',#%u)", point);
@@ -460,7 +507,8 @@ static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model,
 static void write_trimmed_face(step_text *step, const trimmed_model *model, step_entities *entities)
 {
     size_t loops = model->trim->loop_count;
-    uint32_t surface = write_surface(step, &model->surface);
+    bool shaped = model->shape.shape.kind != BAT_SURFACE_PRIMITIVE_NONE;
+    uint32_t surface = shaped ? write_shape(step, &model->shape) : write_surface(step, &model->surface);
     uint32_t planar = write_entity(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
                                          "REPRESENTATION_CONTEXT('','2D'))");
     for (size_t l = 0; l < loops; l++)
@@ -468,7 +516,7 @@ static void write_trimmed_face(step_text *step, const trimmed_model *model, step
     uint32_t face = begin_entity(step, "ADVANCED_FACE('',");
     append_references(step, entities->faces, loops);
     text_append_format(&step->text, ",#%u", surface);
-    end_entity(step, ",.T.)");
+    end_entity(step, model->shape.area < 0 ? ",.F.)" : ",.T.)");
     entities->faces[0] = face;
     entities->face_count = 1;
 }
@@ -528,11 +576,40 @@ bat_status surface_step_write(const bat_spline_surface *surface, const bat_surfa
     step_model model = {0};
     trimmed_model trimmed = {0};
     bool is_trimmed = surface->trim.loop_count > 0;
-    bat_status status = is_trimmed ? trimmed_model_make(surface, &trimmed, error) : step_model_make(surface, &model, error);
+    bat_status status =
+        is_trimmed ? trimmed_model_make(surface, NULL, &trimmed, error) : step_model_make(surface, &model, error);
     if (status == BAT_OK)
         status = write_file(&model, is_trimmed ? &trimmed : NULL, options->unit, sink, error);
     step_model_free(&model);
     trimmed_model_free(&trimmed);
+    return status;
+}
+
+bat_status surface_shape_write(const bat_spline_surface *surface, const bat_surface_primitive *shape,
+                               const bat_surface_write_options *options, text_sink *sink, size_t edges[3], double *area,
+                               bat_error *error)
+{
+    // The square's sides, for a surface without an outline.
+    double knots[] = {0, 0, 1, 1}, corners[][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+    size_t loops[] = {0, 4};
+    bat_spline_curve sides[4];
+    bat_spline_surface trimmed = *surface;
+    for (size_t k = 0; k < 4; k++)
+        sides[k] = (bat_spline_curve){.knots = {knots, 4, 1}, .control = corners[k], .dimension = 2};
+    if (trimmed.trim.loop_count == 0)
+        trimmed.trim = (bat_spline_trim){sides, loops, 1};
+    step_model none = {0};
+    trimmed_model model = {0};
+    bat_status status = trimmed_model_make(&trimmed, shape, &model, error);
+    bool fits = status == BAT_OK && shape_model_end(&model);
+    if (fits)
+        status = write_file(&none, &model, options->unit, sink, error);
+    else if (status == BAT_OK || status == BAT_TOO_LARGE)
+        status = surface_step_write(surface, options, sink, error);
+    *area = fits ? fabs(model.shape.area) : NAN;
+    for (size_t i = 0; i < model.piece_count && fits; i++)
+        edges[model.curves[i].kind]++;
+    trimmed_model_free(&model);
     return status;
 }
 

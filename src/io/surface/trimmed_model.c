@@ -95,9 +95,10 @@ static bat_status make_surface(const bat_spline_surface *surface, tensor_surface
 }
 
 /// Place and derivative in space of a trimming curve.
-static bat_status lift(const bat_spline_surface *surface, const bat_spline_curve *piece, double t, double place[3],
-                       double slope[3], bat_error *error)
+static bat_status lift(const trimmed_model *model, const bat_spline_curve *piece, double t, double place[3], double slope[3],
+                       bat_error *error)
 {
+    static const double STEP = 1e-4; ///< of central differences of a shape's feet, in slopes
     double basis[2 * (BAT_SPLINE_MAX_DEGREE + 1)], planar[2][2] = {{0}}, values[9];
     size_t span = knot_vector_span(&piece->knots, t), degree = (size_t)piece->knots.degree;
     knot_vector_basis(&piece->knots, span, t, 1, basis);
@@ -106,12 +107,22 @@ static bat_status lift(const bat_spline_surface *surface, const bat_spline_curve
             planar[k / (degree + 1)][d] += basis[k] * piece->control[2 * (span - degree + k % (degree + 1)) + d];
     for (int d = 0; d < 2; d++)
         planar[0][d] = fmin(fmax(planar[0][d], 0), 1);
-    bat_status status = bat_spline_surface_evaluate(surface, planar[0], 1, 1, values, error);
+    bat_status status = bat_spline_surface_evaluate(model->source, planar[0], 1, 1, values, error);
+    bool shaped = model->shape.shape.kind != BAT_SURFACE_PRIMITIVE_NONE && status == BAT_OK;
+    double sides[2][3];
     for (size_t c = 0; c < 3 && status == BAT_OK; c++)
     {
         place[c] = values[c];
         slope[c] = planar[1][0] * values[3 + c] + planar[1][1] * values[6 + c];
+        sides[0][c] = place[c] - STEP * slope[c];
+        sides[1][c] = place[c] + STEP * slope[c];
     }
+    if (shaped)
+        shape_model_project(&model->shape, values, place);
+    for (int k = 0; k < 2 && shaped; k++)
+        shape_model_project(&model->shape, sides[k], sides[k]);
+    for (int c = 0; c < 3 && shaped; c++)
+        slope[c] = (sides[1][c] - sides[0][c]) / (2 * STEP);
     return status;
 }
 
@@ -125,8 +136,8 @@ static bool is_near(const double from[6], const double to[6], double width, cons
 }
 
 /// The number of parts of a span, a power of two.
-static bat_status count_parts(const bat_spline_surface *surface, const bat_spline_curve *piece, size_t span,
-                              double tolerance, size_t *parts, bat_error *error)
+static bat_status count_parts(const trimmed_model *model, const bat_spline_curve *piece, size_t span, double tolerance,
+                              size_t *parts, bat_error *error)
 {
     double begin = piece->knots.knots[span], width = piece->knots.knots[span + 1] - begin;
     bat_status status = BAT_OK;
@@ -139,11 +150,11 @@ static bat_status count_parts(const bat_spline_surface *surface, const bat_splin
         for (size_t k = 0; k < *parts && near && status == BAT_OK; k++)
         {
             double from[6], to[6], middle[3], slope[3], step = width / (double)*parts;
-            status = lift(surface, piece, begin + (double)k * step, from, from + 3, error);
+            status = lift(model, piece, begin + (double)k * step, from, from + 3, error);
             if (status == BAT_OK)
-                status = lift(surface, piece, fmin(begin + (double)(k + 1) * step, last), to, to + 3, error);
+                status = lift(model, piece, fmin(begin + (double)(k + 1) * step, last), to, to + 3, error);
             if (status == BAT_OK)
-                status = lift(surface, piece, begin + ((double)k + 0.5) * step, middle, slope, error);
+                status = lift(model, piece, begin + ((double)k + 0.5) * step, middle, slope, error);
             near = status == BAT_OK && is_near(from, to, step, middle, tolerance);
         }
         if (near)
@@ -153,7 +164,7 @@ static bat_status count_parts(const bat_spline_surface *surface, const bat_splin
 }
 
 /// Append the control points of a span, without the first one of the curve. At its end, the knot is triple.
-static bat_status append_span(const bat_spline_surface *surface, const bat_spline_curve *piece, size_t span, size_t parts,
+static bat_status append_span(const trimmed_model *model, const bat_spline_curve *piece, size_t span, size_t parts,
                               bat_spline_curve *image, size_t *points, bat_error *error)
 {
     double begin = piece->knots.knots[span], width = piece->knots.knots[span + 1] - begin;
@@ -162,14 +173,9 @@ static bat_status append_span(const bat_spline_surface *surface, const bat_splin
     for (size_t k = 0; k < parts && status == BAT_OK; k++)
     {
         double from[6], to[6];
-        status = lift(surface, piece, begin + (double)k * step, from, from + 3, error);
+        status = lift(model, piece, begin + (double)k * step, from, from + 3, error);
         if (status == BAT_OK)
-            status = lift(surface, piece, fmin(begin + (double)(k + 1) * step, last), to, to + 3, error);
-        if (status == BAT_OK && k + 1 == parts)
-        {
-            double slope[3];
-            status = lift(surface, piece, piece->knots.knots[span + 1], to, slope, error);
-        }
+            status = lift(model, piece, fmin(begin + (double)(k + 1) * step, last), to, to + 3, error);
         double *control = image->control + 3 * *points;
         for (size_t c = 0; c < 3 && status == BAT_OK; c++)
         {
@@ -185,7 +191,7 @@ static bat_status append_span(const bat_spline_surface *surface, const bat_splin
     return status;
 }
 
-static bat_status make_image(const bat_spline_surface *surface, const bat_spline_curve *piece, double tolerance,
+static bat_status make_image(const trimmed_model *model, const bat_spline_curve *piece, double tolerance,
                              bat_spline_curve *image, bat_error *error)
 {
     size_t degree = (size_t)piece->knots.degree, functions = knot_vector_functions(&piece->knots), total = 0, points = 1;
@@ -194,7 +200,7 @@ static bat_status make_image(const bat_spline_surface *surface, const bat_spline
     for (size_t span = degree; span < functions && status == BAT_OK; span++)
         if (piece->knots.knots[span + 1] > piece->knots.knots[span])
         {
-            status = count_parts(surface, piece, span, tolerance, &parts[span], error);
+            status = count_parts(model, piece, span, tolerance, &parts[span], error);
             total += parts[span];
         }
     *image = (bat_spline_curve){.dimension = 3};
@@ -207,11 +213,11 @@ static bat_status make_image(const bat_spline_surface *surface, const bat_spline
         double slope[3];
         for (int m = 0; m <= DEGREE; m++)
             image->knots.knots[image->knots.count++] = piece->knots.knots[degree];
-        status = lift(surface, piece, piece->knots.knots[degree], image->control, slope, error);
+        status = lift(model, piece, piece->knots.knots[degree], image->control, slope, error);
     }
     for (size_t span = degree; span < functions && status == BAT_OK; span++)
         if (parts[span] > 0)
-            status = append_span(surface, piece, span, parts[span], image, &points, error);
+            status = append_span(model, piece, span, parts[span], image, &points, error);
     if (status == BAT_OK)
     {
         image->knots.knots[image->knots.count] = image->knots.knots[image->knots.count - 1];
@@ -236,20 +242,28 @@ static void join_images(const trimmed_model *model)
         }
 }
 
-bat_status trimmed_model_make(const bat_spline_surface *surface, trimmed_model *model, bat_error *error)
+bat_status trimmed_model_make(const bat_spline_surface *surface, const bat_surface_primitive *shape, trimmed_model *model,
+                              bat_error *error)
 {
-    *model = (trimmed_model){.trim = &surface->trim};
+    static const double MIDDLE[] = {0.5, 0.5};
+    double middle[3];
+    *model = (trimmed_model){.source = surface, .trim = &surface->trim};
     bat_status status = make_surface(surface, &model->surface, error);
+    if (status == BAT_OK && shape != NULL)
+        status = bat_spline_surface_evaluate(surface, MIDDLE, 1, 0, middle, error);
+    if (status == BAT_OK && shape != NULL)
+        shape_model_begin(shape, middle, &model->shape);
     if (status == BAT_OK)
     {
         model->tolerance = model_tolerance(&model->surface, 1);
         model->piece_count = surface->trim.loop_count > 0 ? surface->trim.loops[surface->trim.loop_count] : 0;
         model->images = calloc(model->piece_count + 1, sizeof *model->images);
-        if (model->images == NULL)
+        model->curves = calloc(model->piece_count + 1, sizeof *model->curves);
+        if (model->images == NULL || model->curves == NULL)
             status = error_memory(error, model->piece_count * sizeof *model->images);
     }
     for (size_t i = 0; i < model->piece_count && status == BAT_OK; i++)
-        status = make_image(surface, &surface->trim.pieces[i], IMAGE_TOLERANCE * model->tolerance, &model->images[i], error);
+        status = make_image(model, &surface->trim.pieces[i], IMAGE_TOLERANCE * model->tolerance, &model->images[i], error);
     if (status == BAT_OK)
         join_images(model);
     else
@@ -262,6 +276,7 @@ void trimmed_model_free(trimmed_model *model)
     for (size_t i = 0; i < model->piece_count && model->images != NULL; i++)
         spline_curve_free(&model->images[i]);
     free(model->images);
+    free(model->curves);
     tensor_surface_free(&model->surface);
     *model = (trimmed_model){0};
 }
