@@ -88,29 +88,39 @@ static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t ste
 
 #define POINTS (2 * ARM + 1)
 
-/// Residual of the parabola through the points within ARM steps, in the axes of its chord.
+/// Residual of the parabola through the points within ARM steps, in the axes of its chord, or of the circle near them (Kasa
+/// 1976), whichever is less: the arc of a small hole is no parabola.
 static double residual_at(const fair_loop *loop, size_t index)
 {
     const double *from = point_at(loop, index, -ARM), *to = point_at(loop, index, ARM), *origin = loop->points[index];
-    double length = hypot(to[0] - from[0], to[1] - from[1]);
+    double length = hypot(to[0] - from[0], to[1] - from[1]), least = INFINITY;
     if (!(length > 0))
         return 0;
     const double axis[2] = {(to[0] - from[0]) / length, (to[1] - from[1]) / length};
-    double powers[POINTS][3], heights[POINTS], sum = 0;
-    for (int k = 0; k < POINTS; k++)
+    for (int circle = 0; circle < 2; circle++)
     {
-        const double *point = point_at(loop, index, k - ARM);
-        double x = point[0] - origin[0], y = point[1] - origin[1], t = (axis[0] * x + axis[1] * y) / length;
-        heights[k] = axis[0] * y - axis[1] * x;
-        powers[k][0] = 1;
-        powers[k][1] = t;
-        powers[k][2] = t * t;
+        double powers[POINTS][3], heights[POINTS], sum = 0, slope = 1;
+        for (int k = 0; k < POINTS; k++)
+        {
+            const double *point = point_at(loop, index, k - ARM);
+            double x = (point[0] - origin[0]) / length, y = (point[1] - origin[1]) / length;
+            double t = axis[0] * x + axis[1] * y, height = axis[0] * y - axis[1] * x;
+            heights[k] = circle ? t * t + height * height : height;
+            powers[k][0] = 1;
+            powers[k][1] = t;
+            powers[k][2] = circle ? height : t * t;
+        }
+        // Points that have no parabola keep their sum of squares.
+        bool solved = decompose_least_squares(POINTS, 3, powers[0], heights, NULL) == BAT_OK;
+        if (circle && !solved)
+            break;
+        for (int k = 3; k < POINTS; k++)
+            sum += heights[k] * heights[k];
+        if (circle) // from squares of distances to distances
+            slope = sqrt(4 * heights[0] + heights[1] * heights[1] + heights[2] * heights[2]);
+        least = fmin(least, length * sqrt(sum / (POINTS - 3)) / slope);
     }
-    // Points that have no parabola keep their sum of squares.
-    (void)decompose_least_squares(POINTS, 3, powers[0], heights, NULL);
-    for (int k = 3; k < POINTS; k++)
-        sum += heights[k] * heights[k];
-    return sqrt(sum / (POINTS - 3));
+    return least;
 }
 
 /// @param random  whether the points are at random places
@@ -531,12 +541,16 @@ static bool fit_circle(const fair_loop *loop, const fair_piece *piece, bat_splin
     if (curve->control == NULL || curve->knots.knots == NULL)
         return false;
     for (size_t i = 0; i < curve->knots.count; i++)
-        curve->knots.knots[i] = fmin(fmax((double)(i / 2) - 1, 0) / SPANS, 1);
+    {
+        size_t pair = i / 2;
+        curve->knots.knots[i] = fmin(fmax((double)pair - 1, 0) / SPANS, 1);
+    }
     for (size_t i = 0; i < 2 * SPANS + 2; i++)
     {
         // Ends, and two control points inside of each span.
         bool end = i == 0 || i == 2 * SPANS + 1;
-        double step = copysign(ANGLE_TURN, turn) / SPANS, angle = end ? 0 : step * (double)(i / 2);
+        size_t span = i / 2;
+        double step = copysign(ANGLE_TURN, turn) / SPANS, angle = end ? 0 : step * (double)span;
         double reach = (end ? 0 : i % 2 == 1 ? 4. / 3 : -4. / 3) * tan(step / 4);
         curve->control[2 * i] = circle[0] + circle[2] * (cos(angle) - reach * sin(angle));
         curve->control[2 * i + 1] = circle[1] + circle[2] * (sin(angle) + reach * cos(angle));
