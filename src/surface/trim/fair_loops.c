@@ -77,13 +77,19 @@ typedef struct fair_loop
     double *turns;       ///< count
     bool *straight;      ///< count: the side after a corner is a line
     bool lines;          ///< lines and circles are tried
+    bool polygon;        ///< of the points, shifted, instead of curves
 } fair_loop;
 
-/// A point at a distance along the loop, which is cyclic.
-static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t step)
+/// The index at a distance along the loop, which is cyclic.
+static size_t index_at(const fair_loop *loop, size_t index, ptrdiff_t step)
 {
     ptrdiff_t count = (ptrdiff_t)loop->count, at = ((ptrdiff_t)index + step) % count;
-    return loop->points[at < 0 ? at + count : at];
+    return (size_t)(at < 0 ? at + count : at);
+}
+
+static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t step)
+{
+    return loop->points[index_at(loop, index, step)];
 }
 
 #define POINTS (2 * ARM + 1)
@@ -125,12 +131,10 @@ static double residual_at(const fair_loop *loop, size_t index)
 
 /// @param random  whether the points are at random places
 /// @param missing the area outside of the loop, if its points are at random places
-static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const double *spacing, double noise, bool random,
-                               double missing, bat_error *error)
+static void measure_loop(fair_loop *loop, const uint32_t *corners, const double *spacing, double noise, bool random,
+                         double missing)
 {
-    double *values = memory_array(loop->count, sizeof *values);
-    if (values == NULL)
-        return error_memory(error, loop->count * sizeof *values);
+    double *values = loop->turns; // not yet in use
     for (size_t i = 0; i < loop->count; i++)
         values[i] = spacing[corners[i]];
     loop->spacing = sort_median(values, loop->count);
@@ -152,8 +156,6 @@ static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const d
     // Windows of short loops are too small to tell the corners of a rough one from its roughness.
     loop->has_corners = loop->count >= MIN_LOOP && (loop->offset == 0 || loop->window < length / 10);
     loop->window = fmin(loop->window, length / 16);
-    free(values);
-    return BAT_OK;
 }
 
 /// The number of steps from a point that stay within a length of the loop, at least 1 and at most a quarter of the loop.
@@ -163,9 +165,7 @@ static ptrdiff_t steps_within(const fair_loop *loop, size_t index, int direction
     double walked = 0;
     while (steps < 1 || (walked < length && 4 * steps < count))
     {
-        ptrdiff_t from = ((ptrdiff_t)index + direction * steps) % count;
-        from = from < 0 ? from + count : from;
-        ptrdiff_t edge = direction > 0 ? from : (from + count - 1) % count;
+        size_t edge = index_at(loop, index, direction * steps - (direction < 0));
         walked += loop->at[edge + 1] - loop->at[edge];
         steps++;
     }
@@ -193,10 +193,7 @@ static void fit_line(const fair_loop *loop, size_t index, ptrdiff_t first, ptrdi
     axis[0] = cos(angle);
     axis[1] = sin(angle);
     if (axis[0] * (to[0] - from[0]) + axis[1] * (to[1] - from[1]) < 0)
-    {
-        axis[0] = -axis[0];
-        axis[1] = -axis[1];
-    }
+        vector_scale(2, -1, axis);
 }
 
 /// The angle by which a loop turns at a point, from windows of a length on both sides.
@@ -281,25 +278,25 @@ static bool fit_side(const fair_loop *loop, size_t index, ptrdiff_t first, ptrdi
 /// Find the straight sides, and put corners on them.
 static void find_sides(fair_loop *loop)
 {
-    ptrdiff_t count = (ptrdiff_t)loop->count, gap = loop->offset > 0 ? 2 : 1; // as in place_corner()
+    ptrdiff_t gap = loop->offset > 0 ? 2 : 1; // as in place_corner()
     memset(loop->straight, 0, loop->count * sizeof *loop->straight);
     if (!loop->lines)
         return;
     bool sharp = loop->offset == 0 && loop->scatter < ROUGH / 4 * loop->spacing;
-    for (ptrdiff_t i = 0; i < count; i++)
+    for (size_t i = 0; i < loop->count; i++)
     {
         ptrdiff_t before = 1, after = 1;
         double p[2], a[2], q[2], b[2], *place = loop->places[i];
         if (!loop->corner[i])
             continue;
-        while (!loop->corner[(i + count - before) % count])
+        while (!loop->corner[index_at(loop, i, -before)])
             before++;
-        while (!loop->corner[(i + after) % count])
+        while (!loop->corner[index_at(loop, i, after)])
             after++;
-        loop->straight[i] = fit_side(loop, (size_t)i, gap, after - gap, q, b);
-        bool behind = fit_side(loop, (size_t)i, gap - before, -gap, p, a);
+        loop->straight[i] = fit_side(loop, i, gap, after - gap, q, b);
+        bool behind = fit_side(loop, i, gap - before, -gap, p, a);
         if (loop->straight[i] && behind && !sharp)
-            meet_lines(loop, (size_t)i, p, a, q, b);
+            meet_lines(loop, i, p, a, q, b);
         const double *at = behind ? p : q, *axis = behind ? a : b;
         if (behind == loop->straight[i] || sharp)
             continue;
@@ -312,12 +309,10 @@ static void find_sides(fair_loop *loop)
 /// Whether a corner has no rival of a larger turn within its window.
 static bool is_sharpest(const fair_loop *loop, size_t index)
 {
-    ptrdiff_t count = (ptrdiff_t)loop->count;
     double turn = loop->turns[index];
     for (ptrdiff_t k = -steps_within(loop, index, -1, loop->window); k <= steps_within(loop, index, 1, loop->window); k++)
     {
-        size_t other = (size_t)(((ptrdiff_t)index + k + count) % count);
-        double rival = loop->turns[other];
+        double rival = loop->turns[index_at(loop, index, k)];
         if (rival * turn > 0 && (fabs(rival) > fabs(turn) || (fabs(rival) == fabs(turn) && k < 0)))
             return false;
     }
@@ -367,24 +362,11 @@ typedef struct control_rule
 /// Ends are fixed. In a closed piece, unknowns 0 and 1 are the common end and the step to the next control point.
 static control_rule rule_of(const fair_piece *piece, size_t functions, size_t index)
 {
-    control_rule rule = {{SIZE_MAX, SIZE_MAX}, {1, 0}, NULL};
-    size_t last = functions - 1;
-    if (!piece->closed)
-    {
-        if (index == 0 || index == last)
-            rule.fixed = piece->points[index == 0 ? 0 : piece->count - 1];
-        else
-            rule.unknown[0] = index - 1;
-        return rule;
-    }
-    bool end = index == 0 || index == last, beside = index == 1 || index + 1 == last;
-    rule.unknown[0] = end || beside ? 0 : index;
-    if (beside)
-    {
-        rule.unknown[1] = 1;
-        rule.weight[1] = index == 1 ? 1 : -1;
-    }
-    return rule;
+    bool end = index == 0 || index == functions - 1, beside = index == 1 || index == functions - 2;
+    if (piece->closed)
+        return (control_rule){{end || beside ? 0 : index, beside ? 1 : SIZE_MAX}, {1, index == 1 ? 1 : -1}, NULL};
+    const double *fixed = !end ? NULL : piece->points[index == 0 ? 0 : piece->count - 1];
+    return (control_rule){{end ? SIZE_MAX : index - 1, SIZE_MAX}, {1, 0}, fixed};
 }
 
 /// Add the square of sum_k factors[k] c_(first + k) - target to the normal equations.
@@ -414,38 +396,41 @@ static void add_equation(const fair_piece *piece, size_t functions, size_t unkno
     }
 }
 
+/// Begin a curve without control points, instead of an earlier one.
+static bat_status begin_curve(int degree, size_t spans, bat_spline_curve *curve, bat_error *error)
+{
+    size_t functions = spans + (size_t)degree;
+    spline_curve_free(curve);
+    bat_status status = knot_vector_uniform(degree, spans, &curve->knots, error);
+    curve->dimension = 2;
+    curve->control = memory_array(functions, 2 * sizeof *curve->control);
+    return status == BAT_OK && curve->control == NULL ? error_memory(error, functions * 2 * sizeof(double)) : status;
+}
+
 /// Fit a curve with a number of spans. `residuals` receives root mean square and largest residual.
 static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_curve *curve, double residuals[2],
                             bat_error *error)
 {
     size_t functions = spans + DEGREE, unknowns = functions - 2;
-    *curve = (bat_spline_curve){.dimension = 2};
-    bat_status status = knot_vector_uniform(DEGREE, spans, &curve->knots, error);
-    if (status != BAT_OK)
-        return status;
+    bat_status status = begin_curve(DEGREE, spans, curve, error);
     memory_pool pool = {0};
     double *matrix = memory_pool_zeros(&pool, unknowns * unknowns, sizeof *matrix);
     double *right = memory_pool_zeros(&pool, 2 * unknowns, sizeof *right);
-    curve->control = memory_array(functions, 2 * sizeof *curve->control);
-    status = curve->control == NULL ? error_memory(error, functions * 2 * sizeof *right) : memory_pool_check(&pool, error);
-    if (status != BAT_OK)
-    {
-        memory_pool_free(&pool);
-        spline_curve_free(curve);
-        return status;
-    }
     static const double differences[] = {1, -2, 1}, none[2] = {0, 0};
-    for (size_t i = 0; i < piece->count; i++)
+    if (status == BAT_OK)
+        status = memory_pool_check(&pool, error);
+    for (size_t i = 0; i < piece->count && status == BAT_OK; i++)
     {
         double basis[DEGREE + 1];
         size_t span = knot_vector_span(&curve->knots, piece->at[i]);
         knot_vector_basis(&curve->knots, span, piece->at[i], 0, basis);
         add_equation(piece, functions, unknowns, span - DEGREE, DEGREE + 1, basis, piece->points[i], 1, matrix, right);
     }
-    for (size_t i = 0; i + 2 < functions; i++)
+    for (size_t i = 0; i + 2 < functions && status == BAT_OK; i++)
         add_equation(piece, functions, unknowns, i, 3, differences, none,
                      REGULAR[piece->rough] * (double)piece->count / (double)spans, matrix, right);
-    status = decompose_solve(unknowns, 2, matrix, right, error);
+    if (status == BAT_OK)
+        status = decompose_solve(unknowns, 2, matrix, right, error);
     for (size_t i = 0; i < functions && status == BAT_OK; i++)
     {
         control_rule rule = rule_of(piece, functions, i);
@@ -458,8 +443,6 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
         }
     }
     memory_pool_free(&pool);
-    if (status != BAT_OK)
-        spline_curve_free(curve);
     residuals[0] = residuals[1] = 0;
     for (size_t i = 0; i < piece->count && status == BAT_OK; i++)
     {
@@ -476,18 +459,10 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
 /// The polygon of a piece's points.
 static bat_status fit_polygon(const fair_piece *piece, bat_spline_curve *curve, bat_error *error)
 {
-    *curve = (bat_spline_curve){.dimension = 2};
-    bat_status status = knot_vector_uniform(1, piece->count - 1, &curve->knots, error);
-    if (status != BAT_OK)
-        return status;
-    curve->control = memory_array(piece->count, 2 * sizeof *curve->control);
-    if (curve->control == NULL)
-    {
-        spline_curve_free(curve);
-        return error_memory(error, piece->count * 2 * sizeof *curve->control);
-    }
-    memcpy(curve->control, piece->points, piece->count * 2 * sizeof *curve->control);
-    return BAT_OK;
+    bat_status status = begin_curve(1, piece->count - 1, curve, error);
+    if (status == BAT_OK)
+        memcpy(curve->control, piece->points, piece->count * sizeof *piece->points);
+    return status;
 }
 
 /// Set the parameters in proportion to the lengths of chords.
@@ -576,15 +551,8 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
         size_t most = (size_t)fmin((double)piece->count / SPAN_POINTS[rough], MAX_SPANS);
         if (status != BAT_OK || (within && (residuals[0] <= tolerance || (2 * spans > most && loop->offset > 0))))
             return status;
-        if (2 * spans <= most)
-        {
-            spline_curve_free(curve);
-            continue;
-        }
-        if (within && residuals[1] <= loop->spacing / 4)
-            return BAT_OK;
-        spline_curve_free(curve);
-        return fit_polygon(piece, curve, error);
+        if (2 * spans > most)
+            return within && residuals[1] <= loop->spacing / 4 ? BAT_OK : fit_polygon(piece, curve, error);
     }
 }
 
@@ -597,16 +565,13 @@ static void add_shifted(const fair_loop *loop, size_t index, ptrdiff_t room_befo
     before = room_before < before ? room_before : before;
     after = room_after < after ? room_after : after;
     if (before + after == 0)
-    {
-        before = 1; // a single point between two corners
-        after = 1;
-    }
+        before = after = 1; // a single point between two corners
     fit_line(loop, index, -before, after, mean, axis);
     piece->points[piece->count][0] = point[0] + axis[1] * loop->offset;
     piece->points[piece->count++][1] = point[1] - axis[0] * loop->offset;
 }
 
-/// Gather the points from a corner to the next one, or all points of a loop without corners.
+/// Gather the points from a corner to the next one, of a line only the corners, or all points of a loop without corners.
 static void gather_piece(const fair_loop *loop, size_t begin, size_t steps, fair_piece *piece)
 {
     piece->count = 0;
@@ -618,7 +583,7 @@ static void gather_piece(const fair_loop *loop, size_t begin, size_t steps, fair
         return;
     }
     memcpy(piece->points[piece->count++], loop->places[begin], sizeof *piece->points);
-    for (size_t k = 1; k < steps; k++)
+    for (size_t k = 1; k < steps && !loop->straight[begin]; k++)
         add_shifted(loop, (begin + k) % loop->count, (ptrdiff_t)k - 1, (ptrdiff_t)(steps - k) - 1, piece);
     memcpy(piece->points[piece->count++], loop->places[(begin + steps) % loop->count], sizeof *piece->points);
 }
@@ -628,10 +593,9 @@ static void drop_overrun(fair_piece *piece)
 {
     if (piece->closed || piece->count < 4)
         return;
-    const double *from = piece->points[0], *to = piece->points[piece->count - 1];
     for (int end = 0; end < 2; end++)
     {
-        const double *corner = end == 0 ? from : to;
+        const double *corner = piece->points[end == 0 ? 0 : piece->count - 1];
         size_t inner = end == 0 ? 2 : piece->count - 3, outer = end == 0 ? 1 : piece->count - 2;
         double x = piece->points[inner][0] - piece->points[outer][0], y = piece->points[inner][1] - piece->points[outer][1];
         double along = x * (piece->points[outer][0] - corner[0]) + y * (piece->points[outer][1] - corner[1]);
@@ -639,13 +603,14 @@ static void drop_overrun(fair_piece *piece)
             continue;
         memmove(piece->points + outer, piece->points + outer + 1, (piece->count - outer - 1) * sizeof *piece->points);
         piece->count--;
-        to = piece->points[piece->count - 1];
     }
 }
 
-static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
+/// Fit curves between corners, or the polygon of the points.
+static bat_status fit_loop(fair_loop *loop, bat_spline_trim *trim, bat_error *error)
 {
     size_t first = 0, pieces = trim->loops[trim->loop_count];
+    find_corners(loop);
     while (first < loop->count && !loop->corner[first])
         first++;
     fair_piece piece = {.points = memory_array(loop->count + 2, sizeof *piece.points),
@@ -662,17 +627,11 @@ static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_err
             steps++;
         gather_piece(loop, begin, steps, &piece);
         drop_overrun(&piece);
-        if (!piece.closed && loop->has_corners && loop->straight[begin]) // a line between its ends
-        {
-            memcpy(piece.points[1], piece.points[piece.count - 1], sizeof *piece.points);
-            piece.count = 2;
-        }
-        if (!piece.closed || !loop->lines || !fit_circle(loop, &piece, &trim->pieces[pieces]))
-        {
-            spline_curve_free(&trim->pieces[pieces]);
-            status = fit_piece(loop, &piece, &trim->pieces[pieces], error);
-        }
-        pieces += status == BAT_OK;
+        bat_spline_curve *curve = &trim->pieces[pieces++];
+        if (loop->polygon)
+            status = fit_polygon(&piece, curve, error);
+        else if (!piece.closed || !loop->lines || !fit_circle(loop, &piece, curve))
+            status = fit_piece(loop, &piece, curve, error);
         begin = (begin + steps) % loop->count;
         left -= steps;
     }
@@ -727,34 +686,17 @@ static bat_status fit_area(fair_loop *loop, bat_spline_trim *trim, bat_error *er
     {
         loop->lines = lines > 0;
         loop->offset = offset;
-        find_corners(loop);
         bat_status status = fit_loop(loop, trim, error);
         for (int round = 0; round < ROUNDS && status == BAT_OK && loop->offset > 0; round++)
         {
             loop->offset = fmin(fmax(loop->offset + (area - curve_area(trim)) / length, DBL_MIN), most);
             drop_loop(trim);
-            find_corners(loop);
             status = fit_loop(loop, trim, error);
         }
         if (status != BAT_OK || lines == 0 || fabs(curve_area(trim) - area) <= change * fabs(area))
             return status;
         drop_loop(trim);
     }
-}
-
-/// The polygon of a loop's own points, shifted, as its only piece.
-static bat_status fit_points(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
-{
-    fair_piece piece = {.points = memory_array(loop->count + 1, sizeof *piece.points), .closed = true};
-    if (piece.points == NULL)
-        return error_memory(error, loop->count * 2 * sizeof(double));
-    gather_piece(loop, 0, loop->count, &piece);
-    size_t at = trim->loops[trim->loop_count];
-    bat_status status = fit_polygon(&piece, &trim->pieces[at], error);
-    free(piece.points);
-    trim->loops[trim->loop_count + 1] = at + (status == BAT_OK);
-    trim->loop_count++;
-    return status;
 }
 
 static bool edges_cross(const double *a, const double *b, const double *c, const double *d)
@@ -813,7 +755,8 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
     double missing = 0;
     for (size_t i = loops->first[number]; i < loops->first[number + 1]; i++)
         missing += loops->missing[i];
-    return measure_loop(loop, corners, spacing, noise, loops->random, missing, error);
+    measure_loop(loop, corners, spacing, noise, loops->random, missing);
+    return BAT_OK;
 }
 
 /// Ways to fit loops: the next one where curves cross.
@@ -838,10 +781,10 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
         fair_loop loop;
         status = loop_make(loops, l, sides, parameters, spacing, noise, &loop, error);
         loop.offset *= way == UNSHIFTED ? 0 : 1;
+        loop.polygon = way >= POLYGONS;
+        loop.has_corners = loop.has_corners && !loop.polygon;
         if (status == BAT_OK)
-            find_corners(&loop);
-        if (status == BAT_OK)
-            status = way >= POLYGONS ? fit_points(&loop, trim, error) : fit_area(&loop, trim, error);
+            status = loop.polygon ? fit_loop(&loop, trim, error) : fit_area(&loop, trim, error);
         memory_pool_free(&loop.pool);
     }
     if (status == BAT_OK)
