@@ -6,8 +6,8 @@
 
 #include "base/bisect.h"
 #include "base/error.h"
+#include "linalg/vector.h"
 
-#include <math.h>
 #include <string.h>
 
 static const size_t SPAN_POINTS = 8; ///< corners of the polygon for each span of a curve
@@ -60,24 +60,19 @@ static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_e
 /// Whether all control points of curves lie on one line, so that their loop has no area.
 static bool lie_on_line(const bat_spline_curve *pieces, size_t count)
 {
-    const double *first = pieces[0].control;
-    double way[2] = {0, 0}, length = 0, height = 0;
-    for (size_t i = 0; i < count; i++) // the way to the farthest
+    const double *first = pieces[0].control, *far = first;
+    double length = 0, height = 0;
+    for (size_t i = 0; i < count; i++) // the farthest
         for (size_t k = 0; k < knot_vector_functions(&pieces[i].knots); k++)
         {
             const double *p = pieces[i].control + 2 * k;
-            if (hypot(p[0] - first[0], p[1] - first[1]) <= length)
-                continue;
-            way[0] = p[0] - first[0];
-            way[1] = p[1] - first[1];
-            length = hypot(way[0], way[1]);
+            double apart = hypot(p[0] - first[0], p[1] - first[1]);
+            far = apart > length ? p : far;
+            length = fmax(length, apart);
         }
-    for (size_t i = 0; i < count; i++) // heights over it, times its length
+    for (size_t i = 0; i < count; i++) // heights over the line to it, times its length
         for (size_t k = 0; k < knot_vector_functions(&pieces[i].knots); k++)
-        {
-            const double *p = pieces[i].control + 2 * k;
-            height = fmax(height, fabs(way[0] * (p[1] - first[1]) - way[1] * (p[0] - first[0])));
-        }
+            height = fmax(height, fabs(vector2_turn(first, far, pieces[i].control + 2 * k)));
     return height <= CLOSED * length * length;
 }
 

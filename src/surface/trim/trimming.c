@@ -46,7 +46,7 @@ static const double PIECE_SHARE = 0.05;
 /// noise in spacings takes off: points of the edge lie on both sides of it.
 static const double EDGE = 0.45, EDGE_NOISE = 1.3;
 
-#define NONE UINT32_MAX
+#define NONE UINT32_MAX ///< whose bytes are 0xff
 /// The gap that reaches the hull.
 #define OUTSIDE (UINT32_MAX - 1)
 
@@ -179,9 +179,14 @@ static bat_status measure_spacing(outline_work *work, bat_error *error)
     return BAT_OK;
 }
 
+static uint32_t next_side(uint32_t side)
+{
+    return side % 3 == 2 ? side - 2 : side + 1;
+}
+
 static uint32_t side_end(const outline_work *work, uint32_t side)
 {
-    return work->triangles.corners[side % 3 == 2 ? side - 2 : side + 1];
+    return work->triangles.corners[next_side(side)];
 }
 
 static bat_status connect(outline_work *work, bat_error *error)
@@ -189,8 +194,7 @@ static bat_status connect(outline_work *work, bat_error *error)
     key_map sides = {0};
     size_t count = 3 * work->triangles.count;
     bat_status status = BAT_OK;
-    for (size_t s = 0; s < count; s++)
-        work->opposite[s] = NONE;
+    memset(work->opposite, 0xff, count * sizeof *work->opposite);
     for (uint32_t s = 0; s < count && status == BAT_OK; s++)
     {
         uint32_t *first = key_map_at(&sides, key_of_pair(work->triangles.corners[s], side_end(work, s)));
@@ -279,19 +283,13 @@ static outline_part flood(outline_work *work, uint32_t start, double radius)
     return part;
 }
 
-static void forget_parts(outline_work *work)
-{
-    for (size_t t = 0; t < work->triangles.count; t++)
-        work->part[t] = NONE;
-}
-
 /// The number of triangles in the largest piece inside, and in all.
 static size_t largest_piece(outline_work *work, uint32_t *best, size_t *second, size_t *total)
 {
     size_t most = 0;
     *best = NONE;
     *second = *total = 0;
-    forget_parts(work);
+    memset(work->part, 0xff, work->triangles.count * sizeof *work->part);
     for (uint32_t t = 0; t < work->triangles.count; t++)
     {
         if (work->level[t] > 0 || work->part[t] != NONE)
@@ -339,8 +337,7 @@ static bat_status add_gap(outline_loops *loops, const bat_surface_gap *gap, bat_
 
 static void name_gaps(outline_work *work)
 {
-    for (size_t t = 0; t < work->triangles.count; t++)
-        work->gap[t] = NONE;
+    memset(work->gap, 0xff, work->triangles.count * sizeof *work->gap);
     for (uint32_t t = 0; t < work->triangles.count; t++)
     {
         if (work->level[t] == 0 || work->gap[t] != NONE)
@@ -372,7 +369,7 @@ static bat_status empty_level(outline_work *work, size_t number, outline_loops *
     double growth = 1 + LEVEL_GROWTH * log((double)work->geometry->order.cloud.count / LEVEL_POINTS);
     bat_status status = BAT_OK;
     name_gaps(work);
-    forget_parts(work);
+    memset(work->part, 0xff, work->triangles.count * sizeof *work->part);
     for (uint32_t t = 0; t < work->triangles.count && status == BAT_OK; t++)
     {
         if (work->level[t] > 0 || work->radius[t] <= level->radius || work->part[t] != NONE)
@@ -454,12 +451,9 @@ static bool is_border(const outline_work *work, uint32_t side)
 /// The border's side after another one, the next one clockwise around their common corner.
 static uint32_t next_border(const outline_work *work, uint32_t side)
 {
-    side = side % 3 == 2 ? side - 2 : side + 1;
+    side = next_side(side);
     while (!is_border(work, side))
-    {
-        side = work->opposite[side];
-        side = side % 3 == 2 ? side - 2 : side + 1;
-    }
+        side = next_side(work->opposite[side]);
     return side;
 }
 
@@ -634,8 +628,7 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
     bat_status status = memory_pool_check(&work->pool, error);
     if (status != BAT_OK)
         return status;
-    for (size_t i = 0; i < points; i++)
-        last[i] = SIZE_MAX;
+    memset(last, 0xff, points * sizeof *last); // SIZE_MAX
     trace_loops(work, last, visited, path, &out);
     if (out.count == 0 || out.traced[0].area <= 0)
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no outline was found: the points are too few");
