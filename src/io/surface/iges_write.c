@@ -93,10 +93,10 @@ static void end_entity(iges_file *file, int type, const char *status)
     append_record(&file->directory, content, 'D', ++file->entries);
 }
 
-static void add_knots(iges_file *file, const bat_knot_vector *knots)
+static void add_reals(iges_file *file, const double *values, size_t count)
 {
-    for (size_t i = 0; i < knots->count; i++)
-        add_real(file, knots->knots[i], ',');
+    for (size_t i = 0; i < count; i++)
+        add_real(file, values[i], ',');
 }
 
 /// Append the first and the last parameter.
@@ -115,12 +115,11 @@ static unsigned write_surface(iges_file *file, const tensor_surface *surface, bo
     add_wholes(file, (const size_t[]){columns - 1, rows - 1, (size_t)u->degree, (size_t)v->degree}, 4);
     // Open in both directions, polynomial, not periodic.
     add_wholes(file, (const size_t[]){0, 0, 1, 0, 0}, 5);
-    add_knots(file, u);
-    add_knots(file, v);
+    add_reals(file, u->knots, u->count);
+    add_reals(file, v->knots, v->count);
     for (size_t i = 0; i < columns * rows; i++)
         add_real(file, 1, ',');
-    for (size_t i = 0; i < 3 * columns * rows; i++)
-        add_real(file, surface->control[i], ',');
+    add_reals(file, surface->control, 3 * columns * rows);
     add_domain(file, u, ',');
     add_domain(file, v, ';');
     end_entity(file, SURFACE, trimmed ? DEPENDENT : INDEPENDENT);
@@ -135,7 +134,7 @@ static unsigned write_curve(iges_file *file, const bat_spline_curve *curve)
     bool closed = memcmp(last, curve->control, dimension * sizeof *last) == 0, planar = dimension == 2;
     unsigned number = begin_entity(file, CURVE);
     add_wholes(file, (const size_t[]){functions - 1, (size_t)curve->knots.degree, planar, closed, 1, 0}, 6);
-    add_knots(file, &curve->knots);
+    add_reals(file, curve->knots.knots, curve->knots.count);
     for (size_t i = 0; i < functions; i++)
         add_real(file, 1, ',');
     for (size_t i = 0; i < functions; i++)

@@ -107,21 +107,13 @@ static bool is_odd(const surface_box *box)
     return box->level > 0 && ((box->low[0] | box->low[1] | box->high[0] | box->high[1]) & 1) != 0;
 }
 
-static bool any_odd(const surface_box *boxes, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (is_odd(&boxes[i]))
-            return true;
-    return false;
-}
-
-static bat_status unfilled(const surface_box *boxes, size_t count, size_t level, bat_error *error)
+/// The first such box of a level or above; `count` for none.
+static size_t find_odd(const surface_box *boxes, size_t count, size_t level)
 {
     size_t i = 0;
     while (i < count && !(boxes[i].level >= level && is_odd(&boxes[i])))
         i++;
-    return ERROR_UNSUPPORTED(error, i < count ? boxes[i].line : 0,
-                             "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
+    return i;
 }
 
 /// Check boxes that divide cells of the previous level; the space contains these cells whole. In a space of twice the spans,
@@ -141,7 +133,12 @@ static bat_status check_filled(const bat_hierarchical_options *options, const su
     bat_hierarchical_space_free(doubled);
     for (size_t level = 1; level <= BAT_HIERARCHICAL_MAX_LEVELS && status == BAT_OK; level++)
         if (sizes[level] != exact_sizes[level])
-            status = unfilled(boxes, count, level, error);
+        {
+            size_t odd = find_odd(boxes, count, level);
+            status = ERROR_UNSUPPORTED(error, odd < count ? boxes[odd].line : 0,
+                                       "the boxes of level %zu do not fill the cells of level %zu that they touch", level,
+                                       level - 1);
+        }
     return status;
 }
 
@@ -167,7 +164,7 @@ bat_status surface_space_make(const bat_hierarchical_options *options, const sur
     bat_hierarchical_space *made = NULL;
     if (status == BAT_OK)
         status = make_refined(options, boxes, count, 1, &made, error);
-    if (status == BAT_OK && any_odd(boxes, count))
+    if (status == BAT_OK && find_odd(boxes, count, 0) < count)
         status = check_filled(options, boxes, count, made, error);
     if (status == BAT_OK && bat_hierarchical_space_functions(made) != functions)
         status = ERROR_FILE(error, line, "there are %zu control points, but %zu functions", functions,

@@ -135,6 +135,16 @@ static bool is_near(const double from[6], const double to[6], double width, cons
     return apart <= tolerance;
 }
 
+/// Places and derivatives at the ends of a part of a span. Derivatives at a knot belong to the span after it; those at the
+/// end of the span are taken just before it.
+static bat_status lift_ends(const trimmed_model *model, const bat_spline_curve *piece, size_t span, double part, double step,
+                            double from[6], double to[6], bat_error *error)
+{
+    double begin = piece->knots.knots[span], last = begin + (piece->knots.knots[span + 1] - begin) * (1 - 0x1p-40);
+    bat_status status = lift(model, piece, begin + part * step, from, from + 3, error);
+    return status != BAT_OK ? status : lift(model, piece, fmin(begin + (part + 1) * step, last), to, to + 3, error);
+}
+
 /// The number of parts of a span, a power of two.
 static bat_status count_parts(const trimmed_model *model, const bat_spline_curve *piece, size_t span, double tolerance,
                               size_t *parts, bat_error *error)
@@ -142,17 +152,13 @@ static bat_status count_parts(const trimmed_model *model, const bat_spline_curve
     double begin = piece->knots.knots[span], width = piece->knots.knots[span + 1] - begin;
     bat_status status = BAT_OK;
     bool near = false;
-    // Derivatives at a knot belong to the span after it; those at the end of the span are taken just before it.
-    double last = begin + width * (1 - 0x1p-40);
     for (*parts = 1; *parts < MAX_PARTS && status == BAT_OK; *parts *= 2)
     {
         near = true;
         for (size_t k = 0; k < *parts && near && status == BAT_OK; k++)
         {
             double from[6], to[6], middle[3], slope[3], step = width / (double)*parts;
-            status = lift(model, piece, begin + (double)k * step, from, from + 3, error);
-            if (status == BAT_OK)
-                status = lift(model, piece, fmin(begin + (double)(k + 1) * step, last), to, to + 3, error);
+            status = lift_ends(model, piece, span, (double)k, step, from, to, error);
             if (status == BAT_OK)
                 status = lift(model, piece, begin + ((double)k + 0.5) * step, middle, slope, error);
             near = status == BAT_OK && is_near(from, to, step, middle, tolerance);
@@ -167,15 +173,12 @@ static bat_status count_parts(const trimmed_model *model, const bat_spline_curve
 static bat_status append_span(const trimmed_model *model, const bat_spline_curve *piece, size_t span, size_t parts,
                               bat_spline_curve *image, size_t *points, bat_error *error)
 {
-    double begin = piece->knots.knots[span], width = piece->knots.knots[span + 1] - begin;
-    double step = width / (double)parts, last = begin + width * (1 - 0x1p-40);
+    double begin = piece->knots.knots[span], step = (piece->knots.knots[span + 1] - begin) / (double)parts;
     bat_status status = BAT_OK;
     for (size_t k = 0; k < parts && status == BAT_OK; k++)
     {
         double from[6], to[6];
-        status = lift(model, piece, begin + (double)k * step, from, from + 3, error);
-        if (status == BAT_OK)
-            status = lift(model, piece, fmin(begin + (double)(k + 1) * step, last), to, to + 3, error);
+        status = lift_ends(model, piece, span, (double)k, step, from, to, error);
         double *control = image->control + 3 * *points;
         for (size_t c = 0; c < 3 && status == BAT_OK; c++)
         {
