@@ -99,11 +99,10 @@ static bool sample_cell(lattice *grid, const bat_spline_box *cell, surface_tesse
     return true;
 }
 
-/// Called for each piece of a quad's border between neighbouring vertices.
-typedef void border_piece(void *context, uint32_t from, uint32_t to);
-
-/// Visit a straight piece of a border, divided at all vertices on it: a finer neighbour has one in the middle.
-static void walk_piece(const lattice *grid, uint32_t from, uint32_t to, border_piece *visit, void *context)
+/// Write the triangles of a centre and a straight piece of a border, divided at all vertices on it: a finer neighbour has
+/// one in the middle. Returns their number.
+/// @param out null to count them
+static size_t fan_piece(const lattice *grid, uint32_t centre, uint32_t from, uint32_t to, uint32_t *out)
 {
     assert(grid->places != NULL);
     const uint32_t *a = grid->places + 2 * (size_t)from, *b = grid->places + 2 * (size_t)to;
@@ -112,24 +111,20 @@ static void walk_piece(const lattice *grid, uint32_t from, uint32_t to, border_p
         ((u | v) & 1) != 0 ? NO_VERTEX : key_map_find(&grid->vertices, place_key((uint32_t)(u / 2), (uint32_t)(v / 2)));
     if (middle == NO_VERTEX)
     {
-        visit(context, from, to);
-        return;
+        if (out != NULL)
+            memcpy(out, (const uint32_t[]){centre, from, to}, 3 * sizeof *out);
+        return 1;
     }
-    walk_piece(grid, from, middle, visit, context);
-    walk_piece(grid, middle, to, visit, context);
+    size_t count = fan_piece(grid, centre, from, middle, out);
+    return count + fan_piece(grid, centre, middle, to, out == NULL ? NULL : out + 3 * count);
 }
 
-static void walk_border(const lattice *grid, const uint32_t *quad, border_piece *visit, void *context)
+static size_t fan_quad(const lattice *grid, uint32_t centre, const uint32_t *quad, uint32_t *out)
 {
+    size_t count = 0;
     for (int side = 0; side < 4; side++)
-        walk_piece(grid, quad[side], quad[(side + 1) % 4], visit, context);
-}
-
-static void count_piece(void *context, uint32_t from, uint32_t to)
-{
-    (void)from, (void)to;
-    size_t *count = context;
-    ++*count;
+        count += fan_piece(grid, centre, quad[side], quad[(side + 1) % 4], out == NULL ? NULL : out + 3 * count);
+    return count;
 }
 
 /// Add a central vertex to every quad with more than four border points, and count the triangles.
@@ -138,8 +133,7 @@ static bat_status add_centres(lattice *grid, surface_tessellation *made, bat_err
     for (size_t q = 0; q < made->quad_count; q++)
     {
         const uint32_t *quad = made->quads + 4 * q;
-        size_t pieces = 0;
-        walk_border(grid, quad, count_piece, &pieces);
+        size_t pieces = fan_quad(grid, NO_VERTEX, quad, NULL);
         grid->centres[q] = NO_VERTEX;
         made->triangle_count += pieces > 4 ? pieces : 2;
         if (pieces == 4)
@@ -214,54 +208,30 @@ static bat_status evaluate(const bat_spline_surface *surface, surface_tessellati
     return status;
 }
 
-/// Triangles between a centre and the pieces of a border.
-typedef struct fan
-{
-    uint32_t *next; ///< the place of the next triangle
-    uint32_t centre;
-} fan;
-
-static void add_triangle(void *context, uint32_t from, uint32_t to)
-{
-    fan *triangles = context;
-    *triangles->next++ = triangles->centre;
-    *triangles->next++ = from;
-    *triangles->next++ = to;
-}
-
-/// Cut a quad without a centre along its shorter diagonal.
-static void cut_quad(const double *positions, const uint32_t *quad, fan *triangles)
+/// Cut a quad without a centre along its shorter diagonal. Returns the number of triangles.
+static size_t cut_quad(const double *positions, const uint32_t *quad, uint32_t *out)
 {
     const double *corners[4];
     for (int c = 0; c < 4; c++)
         corners[c] = positions + 3 * (size_t)quad[c];
     int first = vector3_distance(corners[1], corners[3]) < vector3_distance(corners[0], corners[2]) ? 1 : 0;
-    triangles->centre = quad[first];
-    add_triangle(triangles, quad[first + 1], quad[first + 2]);
-    add_triangle(triangles, quad[first + 2], quad[(first + 3) % 4]);
+    for (int k = 0; k < 6; k++)
+        out[k] = quad[(first + (k % 3 == 0 ? 0 : k / 3 + k % 3)) % 4];
+    return 2;
 }
 
 static bat_status triangulate(const lattice *grid, surface_tessellation *made, bat_error *error)
 {
-    made->triangles = memory_pool_array(&made->pool, made->triangle_count, 3 * sizeof *made->triangles);
-    if (made->triangles == NULL)
+    uint32_t *out = made->triangles = memory_pool_array(&made->pool, made->triangle_count, 3 * sizeof *made->triangles);
+    if (out == NULL)
         return memory_pool_check(&made->pool, error);
-    fan triangles = {.next = made->triangles};
     for (size_t q = 0; q < made->quad_count; q++)
     {
         const uint32_t *quad = made->quads + 4 * q;
-        triangles.centre = grid->centres[q];
-        if (triangles.centre == NO_VERTEX)
-            cut_quad(made->positions, quad, &triangles);
-        else
-            walk_border(grid, quad, add_triangle, &triangles);
+        out += 3 * (grid->centres[q] == NO_VERTEX ? cut_quad(made->positions, quad, out)
+                                                  : fan_quad(grid, grid->centres[q], quad, out));
     }
     return BAT_OK;
-}
-
-static bool is_zero(const double *vector)
-{
-    return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
 }
 
 /// The normal at a point slightly nearer to the centre of the square. Where it vanishes as well, use (0, 0, 1).
@@ -275,7 +245,7 @@ static bat_status normal_inside(const bat_spline_surface *surface, const double 
     if (status != BAT_OK)
         return status;
     set_normal(values + 3, normal);
-    if (is_zero(normal))
+    if (vector_largest(3, normal) == 0)
         normal[2] = 1;
     return BAT_OK;
 }
@@ -285,7 +255,7 @@ static bat_status repair_normals(const bat_spline_surface *surface, surface_tess
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < made->vertex_count && status == BAT_OK; i++)
-        if (is_zero(made->normals + 3 * i))
+        if (vector_largest(3, made->normals + 3 * i) == 0)
             status = normal_inside(surface, made->parameters + 2 * i, made->normals + 3 * i, error);
     return status;
 }
