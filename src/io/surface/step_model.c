@@ -275,10 +275,7 @@ static bat_status place_vertices(step_model *model, bat_error *error)
         const shell_edge *edge = &shell->edges[i / 2];
         size_t vertex = i % 2 == 0 ? edge->from : edge->to;
         double *end = i % 2 == 0 ? model->control[i / 2] : last_point(model, i / 2), *point = model->points + 3 * vertex;
-        if (!placed[vertex])
-            memcpy(point, end, 3 * sizeof *point);
-        else
-            memcpy(end, point, 3 * sizeof *point);
+        memcpy(placed[vertex] ? end : point, placed[vertex] ? point : end, 3 * sizeof *point);
         placed[vertex] = true;
     }
     return BAT_OK;

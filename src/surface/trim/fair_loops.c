@@ -516,16 +516,12 @@ static bool fit_circle(const fair_loop *loop, const fair_piece *piece, bat_splin
     if (curve->control == NULL || curve->knots.knots == NULL)
         return false;
     for (size_t i = 0; i < curve->knots.count; i++)
-    {
-        size_t pair = i / 2;
-        curve->knots.knots[i] = fmin(fmax((double)pair - 1, 0) / SPANS, 1);
-    }
+        curve->knots.knots[i] = fmin(fmax(floor((double)i / 2) - 1, 0) / SPANS, 1);
     for (size_t i = 0; i < 2 * SPANS + 2; i++)
     {
         // Ends, and two control points inside of each span.
         bool end = i == 0 || i == 2 * SPANS + 1;
-        size_t span = i / 2;
-        double step = copysign(ANGLE_TURN, turn) / SPANS, angle = end ? 0 : step * (double)span;
+        double step = copysign(ANGLE_TURN, turn) / SPANS, angle = end ? 0 : step * floor((double)i / 2);
         double reach = (end ? 0 : i % 2 == 1 ? 4. / 3 : -4. / 3) * tan(step / 4);
         curve->control[2 * i] = circle[0] + circle[2] * (cos(angle) - reach * sin(angle));
         curve->control[2 * i + 1] = circle[1] + circle[2] * (sin(angle) + reach * cos(angle));

@@ -258,8 +258,8 @@ bat_status trimming_curves(const cloud_geometry *geometry, const surface_trimmin
 
 size_t trimming_drop_filled(const surface_trimming *trimming, bat_spline_trim *trim)
 {
-    size_t kept = 0, pieces = 0, dropped = 0, begin = 0;
-    for (size_t l = 0; l < trim->loop_count; l++)
+    size_t count = trim->loop_count, kept = 0, pieces = 0, begin = 0;
+    for (size_t l = 0; l < count; l++)
     {
         size_t end = trim->loops[l + 1];
         for (size_t i = begin; i < end; i++)
@@ -267,18 +267,15 @@ size_t trimming_drop_filled(const surface_trimming *trimming, bat_spline_trim *t
                 spline_curve_free(&trim->pieces[i]);
             else
             {
-                bat_spline_curve piece = trim->pieces[i];
-                trim->pieces[i] = (bat_spline_curve){0};
-                trim->pieces[pieces++] = piece;
+                SWAP(trim->pieces[pieces], trim->pieces[i]); // with itself, or with one that is released
+                pieces++;
             }
         begin = end;
-        if (trimming->loops.filled[l])
-            dropped++;
-        else
+        if (!trimming->loops.filled[l])
             trim->loops[++kept] = pieces;
     }
     trim->loop_count = kept;
-    return dropped;
+    return count - kept;
 }
 
 void trimming_take_gaps(const cloud_geometry *geometry, surface_trimming *trimming, bat_surface_gap **gaps, size_t *count)
