@@ -179,7 +179,7 @@ static void rasters_cover_and_hide(void **state)
             bool on = x + y == 9 && x >= 1 && x < 9, below = x >= 3 && x < 7;
             assert_int_equal(marks[10 * y + x], on && !below);
         }
-    mesh_raster_free(&raster);
+    memory_pool_free(&raster.pool);
 }
 
 /// Normals are continuous at blunt edges and not at sharp ones; edges of one face are boundaries.
@@ -205,7 +205,7 @@ static void surfaces_know_their_edges(void **state)
     assert_int_equal(surface.marks[0], 1 | 4);
     assert_int_equal(surface.marks[1], 2);
     assert_int_equal(surface.marks[5], 1 | 2);
-    mesh_surface_free(&surface);
+    memory_pool_free(&surface.pool);
     // The same as quads, each cut along its corners 1 and 2.
     uint32_t offsets[] = {0, 4, 8, 12}, corners[] = {0, 2, 3, 1, 2, 4, 5, 3, 4, 6, 7, 5};
     bat_mesh quads = {.positions = positions, .vertex_count = 8, .offsets = offsets, .faces = corners, .face_count = 3};
@@ -214,7 +214,7 @@ static void surfaces_know_their_edges(void **state)
         for (size_t k = 0; k < 3; k++)
             assert_int_equal(mesh_edge_within_polygon(&surface, f, k), k == (f % 2 == 0 ? 1 : 2));
     assert_true(mesh_edge_at_boundary(&surface, 0, 0) && !mesh_edge_at_boundary(&surface, 0, 1));
-    mesh_surface_free(&surface);
+    memory_pool_free(&surface.pool);
 }
 
 /// The diagonals along which quads are cut are not drawn, and a bent quad has one normal.

@@ -470,7 +470,7 @@ static void comb_measures_circles(void **state)
         double scale;
         assert_int_equal(comb_natural_scale(&segments, 0.5, 1.0, &scale, NULL), BAT_OK);
         assert_true(fabs(scale - 0.5 / expected[s]) < 1e-5);
-        comb_free(&segments);
+        memory_pool_free(&segments.pool);
         free(circle.points);
     }
 }
@@ -489,7 +489,7 @@ static void comb_of_a_line_is_flat(void **state)
     double scale;
     assert_int_equal(comb_natural_scale(&segments, 1.0, 2.0, &scale, NULL), BAT_OK);
     assert_true(isinf(scale));
-    comb_free(&segments);
+    memory_pool_free(&segments.pool);
     free(line.points);
 }
 

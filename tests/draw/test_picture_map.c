@@ -427,7 +427,7 @@ static void borders_are_drawn_once(void **state)
         assert_true(i >= 6 || network.colours[i] != network.colours[i + 3]);
     }
     assert_int_equal(network.colours[8], network.colours[0]);
-    map_network_free(&network);
+    memory_pool_free(&network.pool);
     for (int i = 0; i < 9; i++)
     {
         layers[i].polygon = 0;

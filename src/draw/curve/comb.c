@@ -68,7 +68,6 @@ static void set_vector(const comb *segments, const double *before, const double 
 static void set_vectors(comb *segments, double *scratch)
 {
     size_t n = segments->point_dim;
-    memset(segments->vectors, 0, segments->count * n * sizeof(double));
     for (size_t i = segments->closed ? 0 : 1; i + (segments->closed ? 0 : 1) < segments->count && segments->count >= 3; i++)
     {
         size_t before = i > 0 ? i - 1 : segments->count - 1;
@@ -83,29 +82,16 @@ bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error)
     size_t n = curve->space->point_dim;
     size_t stride = (curve->count + COMB_MAX_POINTS - 1) / COMB_MAX_POINTS;
     size_t count = (curve->count + stride - 1) / stride;
-    comb made = {.space = view_space_of(curve->space), .point_dim = n, .count = count, .closed = curve->closed};
-    made.points = memory_array(count * n, sizeof(double));
-    made.vectors = memory_array(count * n, sizeof(double));
-    double *scratch = memory_array(2 * n, sizeof(double));
-    if (made.points == NULL || made.vectors == NULL || scratch == NULL)
-    {
-        free(scratch);
-        comb_free(&made);
-        return error_memory(error, 2 * count * n * sizeof(double));
-    }
+    *segments = (comb){.space = view_space_of(curve->space), .point_dim = n, .count = count, .closed = curve->closed};
+    segments->points = memory_pool_array(&segments->pool, count * n, sizeof(double));
+    segments->vectors = memory_pool_zeros(&segments->pool, count * n, sizeof(double));
+    double *scratch = memory_pool_array(&segments->pool, 2 * n, sizeof(double));
+    if (segments->pool.missing > 0)
+        return memory_pool_check(&segments->pool, error);
     for (size_t i = 0; i < count; i++)
-        memcpy(made.points + i * n, curve->points + i * stride * n, n * sizeof(double));
-    set_vectors(&made, scratch);
-    free(scratch);
-    *segments = made;
+        memcpy(segments->points + i * n, curve->points + i * stride * n, n * sizeof(double));
+    set_vectors(segments, scratch);
     return BAT_OK;
-}
-
-void comb_free(comb *segments)
-{
-    free(segments->points);
-    free(segments->vectors);
-    *segments = (comb){0};
 }
 
 bat_status comb_natural_scale(const comb *segments, double usual, double longest, double *scale, bat_error *error)

@@ -244,6 +244,7 @@ typedef struct feature_pair
 
 typedef struct network_builder
 {
+    memory_pool pool; ///< of `table` and `features`
     const bat_curve_picture_panel *panel;
     size_t point_dim;
     edge_place *table; ///< `curve` is a layer, BAT_NO_INDEX in an empty place
@@ -383,8 +384,8 @@ static bool make_table(network_builder *builder, map_network *network, size_t ed
     while (size < 2 * edges)
         size *= 2;
     builder->mask = size - 1;
-    builder->table = memory_array(size, sizeof *builder->table);
-    network->drawn = memory_array(edges + 1, 1);
+    builder->table = memory_pool_array(&builder->pool, size, sizeof *builder->table);
+    network->drawn = memory_pool_array(&network->pool, edges + 1, 1);
     if (builder->table == NULL || network->drawn == NULL)
         return false;
     for (size_t i = 0; i < size; i++)
@@ -402,11 +403,11 @@ bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *n
     if (!polygons)
         return BAT_OK;
     size_t edges = 0;
-    network->starts = memory_array(panel->layer_count + 1, sizeof *network->starts);
-    network->colours = calloc(panel->layer_count, sizeof *network->colours);
-    builder.features = memory_array(panel->layer_count, sizeof *builder.features);
-    int *chosen = memory_array(panel->layer_count, sizeof *chosen);
-    bool made = network->starts != NULL && network->colours != NULL && builder.features != NULL && chosen != NULL;
+    network->starts = memory_pool_array(&network->pool, panel->layer_count + 1, sizeof *network->starts);
+    network->colours = memory_pool_zeros(&network->pool, panel->layer_count, sizeof *network->colours);
+    builder.features = memory_pool_array(&builder.pool, panel->layer_count, sizeof *builder.features);
+    int *chosen = memory_pool_array(&builder.pool, panel->layer_count, sizeof *chosen);
+    bool made = network->pool.missing == 0 && builder.pool.missing == 0;
     if (made)
         edges = collect(&builder, network);
     made = made && make_table(&builder, network, edges) && enter_edges(&builder, network);
@@ -417,19 +418,7 @@ bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *n
             if (panel->layers[i].polygon > 0)
                 network->colours[i] = chosen[feature_index(&builder, i)];
     }
-    else
-        map_network_free(network);
-    free(builder.table);
-    free(builder.features);
     free(builder.pairs);
-    free(chosen);
+    memory_pool_free(&builder.pool);
     return made ? BAT_OK : error_memory(error, edges * sizeof *builder.table);
-}
-
-void map_network_free(map_network *network)
-{
-    free(network->starts);
-    free(network->drawn);
-    free(network->colours);
-    *network = (map_network){0};
 }

@@ -22,9 +22,9 @@ static bat_status add_curve(proxy *made, size_t count, bool closed, bat_curve_pi
                             bat_error *error)
 {
     bat_curve curve = {.space = &made->space, .count = count, .closed = closed};
-    curve.points = memory_array(count, made->space.point_dim * sizeof(double));
+    curve.points = memory_pool_array(&made->pool, count, made->space.point_dim * sizeof(double));
     if (curve.points == NULL)
-        return error_memory(error, count * made->space.point_dim * sizeof(double));
+        return memory_pool_check(&made->pool, error);
     made->curves[made->count] = curve;
     made->layers[made->count] = layer;
     made->lines[made->count++] = line;
@@ -276,15 +276,12 @@ bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_pict
 {
     size_t max_count = panel->layer_count * MAX_CURVES;
     *made = (proxy){0};
-    made->curves = memory_array(max_count, sizeof *made->curves);
-    made->layers = memory_array(max_count, sizeof *made->layers);
-    made->lines = memory_array(max_count, sizeof *made->lines);
-    if (made->curves == NULL || made->layers == NULL || made->lines == NULL)
-    {
-        proxy_free(made);
-        return error_memory(error, max_count * (sizeof *made->curves + sizeof *made->layers + sizeof *made->lines));
-    }
-    bat_status status = add_all(made, panel, options, error);
+    made->curves = memory_pool_array(&made->pool, max_count, sizeof *made->curves);
+    made->layers = memory_pool_array(&made->pool, max_count, sizeof *made->layers);
+    made->lines = memory_pool_array(&made->pool, max_count, sizeof *made->lines);
+    bat_status status = memory_pool_check(&made->pool, error);
+    if (status == BAT_OK)
+        status = add_all(made, panel, options, error);
     for (size_t i = 0; i < made->count; i++)
         made->layers[i].curve = &made->curves[i];
     made->panel = (bat_curve_picture_panel){.layers = made->layers, .layer_count = made->count, .title = panel->title};
@@ -295,8 +292,6 @@ bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_pict
 
 void proxy_free(proxy *made)
 {
-    curves_free(made->curves, made->count);
-    free(made->layers);
-    free(made->lines);
+    memory_pool_free(&made->pool);
     *made = (proxy){0};
 }

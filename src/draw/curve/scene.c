@@ -383,9 +383,9 @@ void scene_free(scene *made)
     for (size_t i = 0; i < made->count && made->panels != NULL; i++)
     {
         for (size_t k = 0; made->panels[i].combs != NULL && k < made->panels[i].drawn->layer_count; k++)
-            comb_free(&made->panels[i].combs[k]);
+            memory_pool_free(&made->panels[i].combs[k].pool);
         free(made->panels[i].combs);
-        map_network_free(&made->panels[i].network);
+        memory_pool_free(&made->panels[i].network.pool);
         proxy_free(&made->panels[i].proxied);
     }
     free(made->panels);

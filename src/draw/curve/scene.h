@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/memory.h"
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 #include "draw/curve/view.h"
@@ -57,6 +58,7 @@ void coverage_free(coverage_map *map);
 /// curvature vector is the tangent vector of this length. It is 0 at the ends of an open curve.
 typedef struct comb
 {
+    memory_pool pool; ///< of all arrays
     view_space space;
     size_t point_dim;
     size_t count;
@@ -66,9 +68,9 @@ typedef struct comb
                      ///< translation
 } comb;
 
-/// Compute the comb of a checked curve; release it with comb_free(). Curves with fewer than 3 points have no segments.
+/// Compute the comb of a checked curve; release its pool, also after a failure. Curves with fewer than 3 points have no
+/// segments.
 bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error);
-void comb_free(comb *segments);
 
 /// The scale at which the 95th percentile of segments is `usual` long and none above `longest`. INFINITY: no curvature.
 bat_status comb_natural_scale(const comb *segments, double usual, double longest, double *scale, bat_error *error);
@@ -99,6 +101,7 @@ map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygon
 /// All zero for a panel without polygons.
 typedef struct map_network
 {
+    memory_pool pool;     ///< of all arrays
     size_t *starts;       ///< layer_count + 1: the number of a layer's first edge, counted over the panel
     unsigned char *drawn; ///< for each edge: 1 unless an earlier layer of the same role and kind has the same edge
     int *colours;         ///< for each layer: the fill, 0 to MAP_COLOURS - 1
@@ -107,10 +110,9 @@ typedef struct map_network
 /// The number of fills.
 #define MAP_COLOURS 6
 
-/// Find equal edges of the layers and colour the features differently from neighbours. Release with map_network_free().
-/// @return BAT_OK or BAT_NO_MEMORY; without polygons `network` is all zero
+/// Find equal edges of the layers and colour the features differently from neighbours.
+/// @return BAT_OK or BAT_NO_MEMORY; without polygons `network` is all zero. Release its pool in any case.
 bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *network, bat_error *error);
-void map_network_free(map_network *network);
 
 // Proxies of spaces that have no drawing of their own: rotations, rigid motions and the hyperboloid.
 //
@@ -121,6 +123,7 @@ void map_network_free(map_network *network);
 /// A panel in the proxy's space. `lines[i]` is the style of layer i; with width 0 it follows from the layer's role.
 typedef struct proxy
 {
+    memory_pool pool; ///< of all arrays, those of the points too
     bat_space space;
     bat_curve *curves;
     bat_curve_picture_layer *layers;

@@ -11,26 +11,20 @@
 /// The cosine of 40 degrees.
 #define SMOOTH_COSINE 0.766044443118978
 
-void mesh_surface_free(mesh_surface *surface)
-{
-    free(surface->normals);
-    free(surface->marks);
-    *surface = (mesh_surface){0};
-}
-
 /// The faces at each vertex: faces[begin[v]], …, faces[begin[v + 1] - 1].
 typedef struct fan_list
 {
+    memory_pool pool;
     size_t *begin;
     uint32_t *faces;
 } fan_list;
 
-static bool fans_make(const bat_mesh *mesh, fan_list *fans)
+static bat_status fans_make(const bat_mesh *mesh, fan_list *fans, bat_error *error)
 {
-    *fans = (fan_list){.begin = calloc(mesh->vertex_count + 2, sizeof *fans->begin),
-                       .faces = memory_array(3 * mesh->face_count, sizeof *fans->faces)};
-    if (fans->begin == NULL || fans->faces == NULL)
-        return false;
+    fans->begin = memory_pool_zeros(&fans->pool, mesh->vertex_count + 2, sizeof *fans->begin);
+    fans->faces = memory_pool_array(&fans->pool, 3 * mesh->face_count, sizeof *fans->faces);
+    if (fans->pool.missing > 0)
+        return memory_pool_check(&fans->pool, error);
     // Counts are stored two places ahead and sums one place ahead. Filling the list then shifts the sums into place.
     for (size_t i = 0; i < 3 * mesh->face_count; i++)
         fans->begin[mesh->faces[i] + 2]++;
@@ -38,7 +32,7 @@ static bool fans_make(const bat_mesh *mesh, fan_list *fans)
         fans->begin[v] += fans->begin[v - 1];
     for (size_t i = 0; i < 3 * mesh->face_count; i++)
         fans->faces[fans->begin[mesh->faces[i] + 1]++] = (uint32_t)(i / 3);
-    return true;
+    return BAT_OK;
 }
 
 static void set_unit(const double normal[3], float unit[3])
@@ -131,25 +125,22 @@ static void describe_polygons(const bat_mesh *mesh, const bat_mesh *polygons, bo
 bat_status mesh_surface_make(const bat_mesh *mesh, const bat_mesh *polygons, bool flat, int threads, mesh_surface *surface,
                              bat_error *error)
 {
-    fan_list fans;
-    mesh_surface made = {.normals = memory_array(3 * mesh->face_count, sizeof *made.normals),
-                         .marks = memory_array(mesh->face_count, sizeof *made.marks)};
-    bat_status status = BAT_OK;
-    if (!fans_make(mesh, &fans) || made.normals == NULL || made.marks == NULL)
-        status = error_memory(error, 3 * mesh->face_count * sizeof *made.normals);
+    fan_list fans = {0};
+    *surface = (mesh_surface){0};
+    surface->normals = memory_pool_array(&surface->pool, 3 * mesh->face_count, sizeof *surface->normals);
+    surface->marks = memory_pool_array(&surface->pool, mesh->face_count, sizeof *surface->marks);
+    bat_status status = memory_pool_check(&surface->pool, error);
+    if (status == BAT_OK)
+        status = fans_make(mesh, &fans, error);
     if (status == BAT_OK)
     {
         int count = threads_for(threads, mesh->face_count / 4096 + 1);
 #pragma omp parallel for num_threads(count) schedule(static)
         for (size_t f = 0; f < mesh->face_count; f++)
-            describe_face(mesh, &fans, flat, f, &made);
+            describe_face(mesh, &fans, flat, f, surface);
         if (polygons != NULL)
-            describe_polygons(mesh, polygons, flat, &made);
-        *surface = made;
+            describe_polygons(mesh, polygons, flat, surface);
     }
-    else
-        mesh_surface_free(&made);
-    free(fans.begin);
-    free(fans.faces);
+    memory_pool_free(&fans.pool);
     return status;
 }

@@ -35,6 +35,7 @@ bat_mesh_picture_options bat_mesh_picture_defaults(void)
 /// A picture to be drawn.
 typedef struct mesh_scene
 {
+    memory_pool pool; ///< of all arrays
     const bat_mesh_picture_panel *panels;
     size_t count, columns;
     const bat_mesh_picture_options *options;
@@ -139,9 +140,7 @@ static void scene_free(mesh_scene *made)
 {
     for (size_t i = 0; made->cut != NULL && i < made->count; i++)
         bat_mesh_free(&made->cut[i]);
-    free(made->cut);
-    free(made->views);
-    free(made->frames);
+    memory_pool_free(&made->pool);
 }
 
 static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count, const bat_mesh_picture_options *options,
@@ -156,13 +155,12 @@ static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count
     *made = (mesh_scene){.panels = panels,
                          .count = count,
                          .columns = options->columns > 0 ? options->columns : (count + rows - 1) / rows,
-                         .options = options,
-                         .views = memory_array(count, sizeof *made->views),
-                         .frames = memory_array(count, sizeof *made->frames),
-                         .cut = calloc(count, sizeof *made->cut)};
+                         .options = options};
+    made->views = memory_pool_array(&made->pool, count, sizeof *made->views);
+    made->frames = memory_pool_array(&made->pool, count, sizeof *made->frames);
+    made->cut = memory_pool_zeros(&made->pool, count, sizeof *made->cut);
     made->columns = made->columns > count ? count : made->columns;
-    if (made->views == NULL || made->frames == NULL || made->cut == NULL)
-        status = error_memory(error, count * sizeof *made->views);
+    status = memory_pool_check(&made->pool, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         if (panels[i].mesh->offsets != NULL)
             status = error_prefix(error, bat_mesh_triangulate(panels[i].mesh, &made->cut[i], error), "panel %zu: ", i);

@@ -14,14 +14,6 @@
 /// The smallest number of rows for a thread.
 #define ROWS_PER_THREAD 64
 
-void mesh_raster_free(mesh_raster *raster)
-{
-    free(raster->faces);
-    free(raster->depths);
-    free(raster->places);
-    *raster = (mesh_raster){0};
-}
-
 /// The first and last of `count` samples with centres between `low` and `high`. False when there is none.
 static bool sample_range(double low, double high, size_t from, size_t to, size_t *first, size_t *last)
 {
@@ -86,22 +78,18 @@ static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t fac
 bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, size_t columns, size_t rows, int threads,
                             mesh_raster *raster, bat_error *error)
 {
-    mesh_raster made = {.columns = columns,
-                        .rows = rows,
-                        .faces = memory_array(columns * rows, sizeof *made.faces),
-                        .depths = memory_array(columns * rows, sizeof *made.depths),
-                        .places = memory_array(mesh->vertex_count, 3 * sizeof *made.places)};
-    if (made.faces == NULL || made.depths == NULL || made.places == NULL)
-    {
-        mesh_raster_free(&made);
-        return error_memory(error, columns * rows * sizeof *made.faces);
-    }
+    *raster = (mesh_raster){.columns = columns, .rows = rows};
+    raster->faces = memory_pool_array(&raster->pool, columns * rows, sizeof *raster->faces);
+    raster->depths = memory_pool_array(&raster->pool, columns * rows, sizeof *raster->depths);
+    raster->places = memory_pool_array(&raster->pool, mesh->vertex_count, 3 * sizeof *raster->places);
+    if (raster->pool.missing > 0)
+        return memory_pool_check(&raster->pool, error);
     for (size_t v = 0; v < mesh->vertex_count; v++)
-        mesh_place_point(placing, mesh->positions + 3 * v, made.places + 3 * v);
+        mesh_place_point(placing, mesh->positions + 3 * v, raster->places + 3 * v);
     for (size_t i = 0; i < columns * rows; i++)
     {
-        made.faces[i] = RASTER_NO_FACE;
-        made.depths[i] = -HUGE_VALF;
+        raster->faces[i] = RASTER_NO_FACE;
+        raster->depths[i] = -HUGE_VALF;
     }
     int bands = threads_for(threads, rows / ROWS_PER_THREAD + 1);
 #pragma omp parallel for num_threads(bands) schedule(static)
@@ -109,9 +97,8 @@ bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, s
     {
         size_t from = rows * (size_t)band / (size_t)bands, to = rows * ((size_t)band + 1) / (size_t)bands;
         for (size_t f = 0; f < mesh->face_count; f++)
-            draw_face(&made, mesh->faces + 3 * f, (uint32_t)f, from, to);
+            draw_face(raster, mesh->faces + 3 * f, (uint32_t)f, from, to);
     }
-    *raster = made;
     return BAT_OK;
 }
 

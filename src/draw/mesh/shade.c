@@ -412,8 +412,8 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
         status = draw_boundaries(&s, error);
     if (status == BAT_OK)
         shade_all(&s, pixels, stride);
-    mesh_surface_free(&s.surface);
-    mesh_raster_free(&s.raster);
+    memory_pool_free(&s.surface.pool);
+    memory_pool_free(&s.raster.pool);
     free(s.light);
     free(s.lines);
     return status;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/memory.h"
 #include "batten/mesh.h"
 #include "batten/mesh_picture.h"
 #include "draw/common/legend.h"
@@ -69,17 +70,17 @@ static inline void mesh_place_point(const mesh_placing *placing, const double *p
 /// Samples have the spacing 1. Sample (0, 0) is at the top left, with its centre at (.5, .5); y downwards, z to the eye.
 typedef struct mesh_raster
 {
+    memory_pool pool; ///< of all arrays
     size_t columns, rows;
     uint32_t *faces; ///< for each sample, row by row: its face, or RASTER_NO_FACE
     float *depths;   ///< z of that face
     double *places;  ///< vertex_count x 3: the vertices in the coordinates of samples
 } mesh_raster;
 
-/// Find the visible faces; of faces at equal depth, the first. Release the raster with mesh_raster_free().
+/// Find the visible faces; of faces at equal depth, the first. Release the pool, also after a failure.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, size_t columns, size_t rows, int threads,
                             mesh_raster *raster, bat_error *error);
-void mesh_raster_free(mesh_raster *raster);
 
 /// Mark the samples of a line between two vertices where nothing is in front of it by more than its width.
 /// @param marks columns x rows, row by row
@@ -93,6 +94,7 @@ void mesh_raster_locate(const mesh_raster *raster, const uint32_t corners[3], do
 
 typedef struct mesh_surface
 {
+    memory_pool pool;     ///< of both arrays
     float (*normals)[3];  ///< 3 x face_count unit vectors at the corners; zero where a face has no area
     unsigned char *marks; ///< face_count bit sets: bit c marks a boundary edge at corner c, bit 3 + c one within a polygon
 } mesh_surface;
@@ -108,14 +110,13 @@ static inline bool mesh_edge_within_polygon(const mesh_surface *surface, size_t 
     return (surface->marks[face] >> (3 + c) & 1) != 0;
 }
 
-/// Compute normals and boundary edges.
+/// Compute normals and boundary edges. Release the pool, also after a failure.
 /// @param polygons that the mesh is cut from, or null: flat faces have their polygon's mean normal
 /// @param flat use the faces' normals; otherwise the area-weighted mean of those faces at the vertex whose normals differ by
 /// less than 40 degrees
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_surface_make(const bat_mesh *mesh, const bat_mesh *polygons, bool flat, int threads, mesh_surface *surface,
                              bat_error *error);
-void mesh_surface_free(mesh_surface *surface);
 
 // Shading of a mesh into pixels.
 

@@ -216,7 +216,7 @@ static bat_status paint_errors(const void *context, unsigned char *pixels, size_
         status = mesh_raster_make(&task->row->patch, &task->placing, task->columns, task->rows, 0, &raster, error);
     if (status == BAT_OK)
         draw_errors(task, &raster, dots, &image);
-    mesh_raster_free(&raster);
+    memory_pool_free(&raster.pool);
     free(dots);
     return status;
 }
