@@ -42,8 +42,7 @@ static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit
 
 static double longest_axis(const ellipsoid *drawn)
 {
-    const double *axis = drawn->axes[drawn->side - 1]; // eigenvalues are in increasing order
-    return sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+    return vector3_length(drawn->axes[drawn->side - 1]); // eigenvalues are in increasing order
 }
 
 /// The number of tensors of a curve in a row with `columns` columns.

@@ -149,9 +149,7 @@ void view_trace(const draw_view *view, const double *points, size_t count, bool 
 /// Null for a valid point, else an error text.
 static const char *point_fault(view_space space, const double *point, size_t point_dim)
 {
-    double square = 0.0;
-    for (size_t k = 0; k < point_dim; k++)
-        square += point[k] * point[k];
+    double square = vector_square(point_dim, point);
     if (!isfinite(square))
         return "is not finite, or too large to draw";
     if (space == VIEW_SPHERE && fabs(sqrt(square) - 1.0) > UNIT_TOLERANCE)

@@ -27,8 +27,7 @@ static void vector_area(const patch_points *patch, const double middle[3], doubl
     {
         double product[3];
         vector3_triangle(middle, patch->points + 3 * i, patch->points + 3 * ((i + 1) % patch->loop_count), product);
-        for (int c = 0; c < 3; c++)
-            area[c] += 0.5 * product[c];
+        vector_add(3, 0.5, product, area);
     }
 }
 
@@ -52,8 +51,7 @@ static void face_lean(const double bulge[3], double size, double normal[3])
         lean[c] = bulge[c] - deep * normal[c];
     if (deep < DEEP_SHARE * size || sqrt(vector3_dot(lean, lean)) < LEAN_SHARE * deep || !vector3_normalize(lean))
         return;
-    for (int c = 0; c < 3; c++)
-        normal[c] = lean[c];
+    memcpy(normal, lean, sizeof lean);
 }
 
 /// Find the direction that the patch faces.

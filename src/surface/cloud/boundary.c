@@ -220,8 +220,7 @@ static bat_status smooth_points(const double *points, const nearest_tree *tree, 
                 continue;
             local_quadratic quadratic = local_quadratic_fit(points, &near, &plane);
             double height = local_quadratic_height(&quadratic, here);
-            for (int k = 0; k < 3; k++)
-                smooth[3 * i + (size_t)k] -= height * plane.axes[2][k];
+            vector_add(3, -height, plane.axes[2], smooth + 3 * i);
         }
         neighbour_list_free(&near);
     }

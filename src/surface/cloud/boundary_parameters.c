@@ -111,9 +111,7 @@ static bat_status search_begin(const bat_cloud *cloud, corner_search *search, ba
 /// Project a vector to the plane with a unit normal.
 static void flatten(double vector[3], const double normal[3])
 {
-    double out = vector3_dot(vector, normal);
-    for (int k = 0; k < 3; k++)
-        vector[k] -= out * normal[k];
+    vector_add(3, -vector3_dot(vector, normal), normal, vector);
 }
 
 /// The loop's turning angle at a point, between chords of a length: in space, and in the tangent plane, positive inwards.

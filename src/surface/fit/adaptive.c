@@ -116,15 +116,6 @@ static bat_status surface_fit_options_check(const void *opaque, bat_error *error
 
 const bat_options_table bat_surface_fit_fields = OPTIONS_TABLE(bat_surface_fit_options, FIELDS, surface_fit_options_check);
 
-/// The largest absolute coordinate.
-static bat_status size_of(const fit_points *points, double *size, bat_error *error)
-{
-    *size = 0;
-    for (size_t k = 0; k < points->count * points->dimension; k++)
-        *size = fmax(*size, fabs(points->position[k]));
-    return team_largest(points->team, size, 1, error);
-}
-
 static void loop_free_fit(fit_loop *loop)
 {
     fit_solver_free(loop->solver);
@@ -268,7 +259,8 @@ static bat_status loop_make(const fit_team *team, const bat_surface_fit_data *da
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
     if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
         status = hold_out(loop, error);
-    return status == BAT_OK ? size_of(&loop->points, &loop->size, error) : status;
+    loop->size = status == BAT_OK ? vector_largest(loop->points.count * loop->points.dimension, loop->points.position) : 0;
+    return status == BAT_OK ? team_largest(loop->points.team, &loop->size, 1, error) : status;
 }
 
 /// The fraction of work done: the logarithmic progress towards the budget, or the fraction of iterations.

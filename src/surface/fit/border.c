@@ -264,13 +264,11 @@ static bool frame_at(const fit_nets *nets, int side, const double *at, double *s
     for (size_t d = 0; d < dimension; d++)
         tangent[d] /= length;
     double along = vector_dot(dimension, tangent, across);
-    for (size_t d = 0; d < dimension; d++)
-        across[d] -= along * tangent[d];
+    vector_add(dimension, -along, tangent, across);
     length = sqrt(vector_dot(dimension, across, across));
     if (!(length > 0))
         return false;
-    for (size_t d = 0; d < dimension; d++)
-        across[d] *= sign / length;
+    vector_scale(dimension, sign / length, across);
     return true;
 }
 
@@ -298,16 +296,11 @@ static bat_status measure_offset(const border_update *update, int number, bat_er
     for (size_t i = 0; i < side->count && status == BAT_OK; i++)
     {
         border_frame frame;
-        double at[2], square = 0;
+        double at[2], *residual = places + i * dimension;
+        const double *point = side->points + i * dimension;
         set_parameter(number, side->at[2 * i], at);
-        double *residual = places + i * dimension;
-        for (size_t d = 0; d < dimension; d++)
-        {
-            residual[d] = side->points[i * dimension + d] - residual[d];
-            double step = i > 0 ? side->points[i * dimension + d] - side->points[(i - 1) * dimension + d] : 0;
-            square += step * step;
-        }
-        length += sqrt(square);
+        vector_subtract(dimension, point, residual, residual);
+        length += i > 0 ? vector_distance(dimension, point, point - dimension) : 0;
         if (!frame_at(update->nets, number, at, update->scratch, update->values, &frame))
             continue;
         double out = vector_dot(dimension, residual, frame.across), along = vector_dot(dimension, residual, frame.tangent);
@@ -370,7 +363,7 @@ static void update_corners(const border_update *update)
     for (size_t c = border->samples - CORNERS; c < border->samples; c++)
     {
         const double *at = border->at + 2 * c;
-        double *target = border->target + c * dimension, square = 0;
+        double *target = border->target + c * dimension;
         border_frame frame;
         memset(target, 0, dimension * sizeof *target);
         for (int s = 0; s < FIT_BORDER_SIDES; s++)
@@ -388,12 +381,8 @@ static void update_corners(const border_update *update)
             for (size_t d = 0; d < dimension; d++)
                 target[d] += out * frame.across[d] + along * frame.tangent[d];
         }
-        for (size_t d = 0; d < dimension; d++)
-        {
-            square += target[d] * target[d];
-            target[d] += update->values[d];
-        }
-        update->distances[c] = sqrt(square);
+        update->distances[c] = sqrt(vector_square(dimension, target));
+        vector_add(dimension, 1, update->values, target);
     }
 }
 

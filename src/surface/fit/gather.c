@@ -152,10 +152,7 @@ void gather_fill_cell(const void *context, size_t index, double *scratch, double
 static void square_terms(const void *context, size_t row, double *sums)
 {
     const fit_points *points = context;
-    double square = 0;
-    for (size_t k = 0; k < points->dimension; k++)
-        square += points->position[row * points->dimension + k] * points->position[row * points->dimension + k];
-    sums[0] += points->weight[row] * square;
+    sums[0] += points->weight[row] * vector_square(points->dimension, points->position + row * points->dimension);
     sums[1] += points->weight[row] > 0 && points->number[row] < points->own;
 }
 

@@ -37,8 +37,7 @@ bat_status fit_sum_rows(const fit_team *team, const double *rows, size_t count, 
         rows = (const double *)(const void *)all;
     }
     for (size_t row = 0; status == BAT_OK && row < all_rows; row++)
-        for (size_t k = 0; k < width; k++)
-            sums[k] += rows[row * width + k];
+        vector_add(width, 1, rows + row * width, sums);
     free(sizes);
     free(all);
     return status == BAT_OK ? team_broadcast(team, sums, width * sizeof *sums, error) : status;
@@ -280,8 +279,7 @@ static bat_status subtract_centre(fit_points *points, bat_error *error)
     {
         size_t left = points->count - block * FIT_BLOCK;
         double share = (double)(left < FIT_BLOCK ? left : FIT_BLOCK) / (double)points->total;
-        for (size_t k = 0; k < dimension; k++)
-            rows[block * dimension + k] *= share;
+        vector_scale(dimension, share, rows + block * dimension);
     }
     bat_status status = fit_sum_rows(points->team, rows, blocks, dimension, points->centre, error);
     for (size_t k = 0; status == BAT_OK && k < points->count * dimension; k++)
@@ -434,8 +432,7 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
 void fit_points_restore(const fit_points *points, size_t functions, double *control)
 {
     for (size_t f = 0; f < functions; f++)
-        for (size_t k = 0; k < points->dimension; k++)
-            control[f * points->dimension + k] += points->centre[k];
+        vector_add(points->dimension, 1, points->centre, control + f * points->dimension);
 }
 
 size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data)

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "batten/surface_fit.h"
+#include "linalg/vector.h"
 #include "surface/fit/team.h"
 #include "surface/spline/hierarchical_space.h"
 

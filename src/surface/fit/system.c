@@ -227,8 +227,7 @@ static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *
                 if (active[k] % (uint32_t)threads != (uint32_t)t)
                     continue;
                 add_column(pattern, active, count, k, matrix, work->values);
-                for (size_t d = 0; d < work->columns; d++)
-                    work->right[active[k] * work->columns + d] += right[k * work->columns + d];
+                vector_add(work->columns, 1, right + k * work->columns, work->right + active[k] * work->columns);
             }
         }
 }
@@ -423,8 +422,7 @@ void fit_system_multiply(const fit_system *system, const double *values, size_t 
     memset(product, 0, system->functions * columns * sizeof *product);
     for (size_t j = 0; j < system->functions; j++)
     {
-        for (size_t k = 0; k < columns; k++)
-            product[j * columns + k] += values[pattern->first[j]] * x[j * columns + k];
+        vector_add(columns, values[pattern->first[j]], x + j * columns, product + j * columns);
         for (int at = pattern->first[j] + 1; at < pattern->first[j + 1]; at++)
         {
             size_t i = (size_t)pattern->row[at];

@@ -64,8 +64,7 @@ static double prediction_error(const bat_cloud *cloud, size_t i)
         if (!isfinite(factor))
             return -1;
         squares += factor * factor;
-        for (size_t a = 0; a < 3; a++)
-            gap[a] -= factor * neighbours[k][a];
+        vector_add(3, -factor, neighbours[k], gap);
     }
     return sqrt((gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]) / squares);
 }

@@ -161,8 +161,7 @@ void polynomial_patch_step(const polynomial_patch *descriptor, const double poin
 {
     double x[3], xu[3], xv[3], gap[3];
     evaluate(descriptor, parameter, x, xu, xv);
-    for (size_t d = 0; d < 3; d++)
-        gap[d] = point[d] - x[d];
+    vector3_subtract(point, x, gap);
     double uu = vector3_dot(xu, xu), uv = vector3_dot(xu, xv), vv = vector3_dot(xv, xv);
     double along = vector3_dot(gap, xu), across = vector3_dot(gap, xv);
     double determinant = uu * vv * (1 + STEP_RIDGE) - uv * uv + STEP_FLOOR;

@@ -384,9 +384,7 @@ static bat_status run_round(dirichlet_map *map, double *gradient, double energy,
         return status;
     memcpy(gradient, map->direction, map->unknowns * sizeof *gradient);
     status = multifrontal_solve(map->solver, 1, map->direction, error);
-    double slope = 0;
-    for (size_t c = 0; c < map->unknowns; c++)
-        slope += 2 * gradient[c] * map->direction[c];
+    double slope = 2 * vector_dot(map->unknowns, gradient, map->direction);
     if (status == BAT_OK)
         *reached = take_step(map, energy, slope);
     return status;

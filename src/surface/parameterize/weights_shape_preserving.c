@@ -108,8 +108,7 @@ static bat_status append_ring(const weight_source *source, const neighbour_list 
     if (status != BAT_OK)
         return status;
     for (size_t k = 0; k < count; k++)
-        for (size_t c = 0; c < 3; c++)
-            spokes[k][c] = points[3 * (size_t)near->entries[places[k]].item + c] - points[3 * point + c];
+        vector3_subtract(points + 3 * (size_t)near->entries[places[k]].item, points + 3 * point, spokes[k]);
     if (!star_unfold((const double(*)[3])spokes, count, ring))
         return fail_at(source, point, error, "has an angle of half a turn");
     star_shape_preserving((const double(*)[2])ring, count, chunk->values + chunk->count);

@@ -2,6 +2,7 @@
 /// Evaluation of basis functions and surfaces on the cells of a hierarchical space:
 ///     S(u, v) = sum_ab C_ab N_a(u) N_b(v)   on each cell, C = E^T control  (hierarchical_space.h).
 
+#include "linalg/vector.h"
 #include "surface/spline/hierarchical_space.h"
 #include "surface/spline/tensor_surface.h"
 
@@ -95,11 +96,7 @@ void hierarchical_local_control(const bat_hierarchical_space *space, const hiera
             for (size_t d = 0; d < dimension && row[a] != 0; d++)
                 local[a * dimension + d] += row[a] * control[active[k] * dimension + d];
     for (size_t k = cell->coarse; k < cell->active; k++)
-    {
-        double *to = local + hierarchical_local(space, cell, k) * dimension;
-        for (size_t d = 0; d < dimension; d++)
-            to[d] += control[active[k] * dimension + d];
-    }
+        vector_add(dimension, 1, control + active[k] * dimension, local + hierarchical_local(space, cell, k) * dimension);
 }
 
 /// Sum over the functions of u, then of v. Inlined, so that dimension 3 gets loops of constant length.
@@ -216,7 +213,7 @@ static void evaluate_cell(const bat_spline_surface *surface, size_t cell, const 
                           const double *parameters, int derivatives, double *scratch, double *values)
 {
     const bat_hierarchical_space *space = surface->space;
-    size_t dimension = surface->dimension, size = (derivatives == 0 ? 1 : derivatives == 1 ? 3 : 6) * dimension;
+    size_t dimension = surface->dimension, size = order_count(derivatives) * dimension;
     double *local = scratch + 3 * ((size_t)space->options.degree[1] + 1) * dimension;
     if (points->begin[cell] == points->begin[cell + 1])
         return;

@@ -7,6 +7,7 @@
 ///
 /// Plain basis: a function that is no longer selected is replaced by its children, B = sum_j r_j B_j, level by level.
 
+#include "linalg/vector.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
@@ -129,11 +130,8 @@ static void add_to_children(const bat_hierarchical_space *refined, bat_spline_fu
         {
             double share = uniform_basis_two_scale(&refined->bases[0], spans[0], function.i, i) *
                            uniform_basis_two_scale(&refined->bases[1], spans[1], function.j, j);
-            if (share == 0)
-                continue;
-            double *to = next + (size_t)run_set_find(supported, j, i) * dimension;
-            for (size_t d = 0; d < dimension; d++)
-                to[d] += share * coefficients[d];
+            if (share != 0)
+                vector_add(dimension, share, coefficients, next + (size_t)run_set_find(supported, j, i) * dimension);
         }
 }
 
