@@ -6,6 +6,7 @@
 /// Hoschek, "Intrinsic parametrization for approximation" (1988), introduced the correction of parameters in this way.
 
 #include "base/counting_sort.h"
+#include "search/nearest.h"
 #include "surface/fit/points.h"
 
 #include "base/error.h"
@@ -38,36 +39,43 @@ void fit_nets_free(fit_nets *nets)
     *nets = (fit_nets){0};
 }
 
-static void measure_point(const fit_nets *nets, fit_points *points, size_t row, double *scratch)
+/// What is done at a point; returns what is counted of it.
+typedef size_t foot_visit(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch);
+
+/// Visit the points that are here, on several threads, and count. Each needs derivatives up to an order.
+static bat_status visit_points(const fit_nets *nets, fit_points *points, foot_visit *visit, const void *context,
+                               int derivatives, int threads, uint64_t *total, bat_error *error)
 {
-    size_t dimension = nets->dimension;
-    const double *position = points->position + row * dimension;
-    double *value = scratch + fit_nets_scratch(nets), square = 0;
-    fit_nets_evaluate(nets, points->cell[row], points->parameter + 2 * row, 0, scratch, value);
-    for (size_t k = 0; k < dimension; k++)
+    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
+    double operations = (double)points->count * fit_nets_operations(nets, derivatives);
+    bool ok = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : ok) reduction(+ : count)
     {
-        double difference = position[k] - value[k];
-        square += difference * difference;
+        double *scratch = memory_array(scratch_size, sizeof *scratch);
+        ok = scratch != NULL;
+#pragma omp for schedule(dynamic, 256)
+        for (size_t row = 0; row < points->count; row++)
+            if (scratch != NULL)
+                count += visit(nets, points, row, context, scratch);
+        free(scratch);
     }
-    points->distance[row] = sqrt(square);
+    *total = count;
+    return ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+}
+
+static size_t measure_point(const fit_nets *nets, fit_points *points, size_t row, const void *context BAT_UNUSED,
+                            double *scratch)
+{
+    double *value = scratch + fit_nets_scratch(nets);
+    fit_nets_evaluate(nets, points->cell[row], points->parameter + 2 * row, 0, scratch, value);
+    points->distance[row] = vector_distance(nets->dimension, points->position + row * nets->dimension, value);
+    return 1;
 }
 
 bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, int threads, bat_error *error)
 {
-    size_t scratch_size = fit_nets_scratch(nets) + nets->dimension;
-    double operations = (double)points->count * fit_nets_operations(nets, 0);
-    bool complete = true;
-#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : complete)
-    {
-        double *scratch = memory_array(scratch_size, sizeof *scratch);
-        complete = scratch != NULL;
-#pragma omp for schedule(static)
-        for (size_t row = 0; row < points->count; row++)
-            if (scratch != NULL)
-                measure_point(nets, points, row, scratch);
-        free(scratch);
-    }
-    return complete ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+    uint64_t measured;
+    return visit_points(nets, points, measure_point, NULL, 0, threads, &measured, error);
 }
 
 enum
@@ -371,12 +379,7 @@ static near_point nearest_with_foot(const fit_points *points, const double *posi
     near_point nearest = {.square = INFINITY, .row = SIZE_MAX};
     for (size_t other = 0; other < points->count; other++)
     {
-        double square = 0;
-        for (size_t k = 0; k < dimension; k++)
-        {
-            double difference = points->position[other * dimension + k] - position[k];
-            square += difference * difference;
-        }
+        double square = point_squared(points->position + other * dimension, position, dimension, 1);
         if (square < nearest.square && points->before + other != row && points->distance[other] <= mean)
             nearest = (near_point){
                 square, points->before + other, {points->parameter[2 * other], points->parameter[2 * other + 1]}};
@@ -475,31 +478,6 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
     return status;
 }
 
-/// What is counted of points, one after the other.
-typedef size_t foot_count(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch);
-
-/// Count over all points, on several threads and for all processes.
-static bat_status count_feet(const fit_nets *nets, fit_points *points, foot_count *each, const void *context, int threads,
-                             uint64_t *total, bat_error *error)
-{
-    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
-    double operations = (double)points->count * fit_nets_operations(nets, 2);
-    bool ok = true;
-#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : ok) reduction(+ : count)
-    {
-        double *scratch = memory_array(scratch_size, sizeof *scratch);
-        ok = scratch != NULL;
-#pragma omp for schedule(dynamic, 256)
-        for (size_t row = 0; row < points->count; row++)
-            if (scratch != NULL)
-                count += each(nets, points, row, context, scratch);
-        free(scratch);
-    }
-    *total = count;
-    bat_status status = ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
-    return status == BAT_OK ? team_sum_counts(points->team, total, 1, error) : status;
-}
-
 static size_t count_near(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch)
 {
     const double *at = points->parameter + 2 * row, *reach = context;
@@ -512,7 +490,9 @@ bat_status fit_near_share(const fit_nets *nets, fit_points *points, double reach
                           bat_error *error)
 {
     uint64_t near;
-    bat_status status = count_feet(nets, points, count_near, &reach, threads, &near, error);
+    bat_status status = visit_points(nets, points, count_near, &reach, 2, threads, &near, error);
+    if (status == BAT_OK)
+        status = team_sum_counts(points->team, &near, 1, error);
     *share = (double)near / (double)points->total;
     return status;
 }
@@ -527,7 +507,9 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
                        bat_error *error)
 {
     uint64_t changed;
-    bat_status status = count_feet(nets, points, count_corrected, &correction, threads, &changed, error);
+    bat_status status = visit_points(nets, points, count_corrected, &correction, 2, threads, &changed, error);
+    if (status == BAT_OK)
+        status = team_sum_counts(points->team, &changed, 1, error);
     *moved = (size_t)changed;
     return status;
 }
