@@ -335,8 +335,7 @@ static void add_face(const bat_mesh *mesh, size_t face, double scale, bat_mesh_n
     {
         double angle = atan2(area, -vector3_dot(edges[c], edges[(c + 2) % 3]));
         double weight = weights == BAT_MESH_NORMALS_AREA ? 1 : angle / area;
-        for (size_t k = 0; k < 3; k++)
-            normals[3 * (size_t)corner[c] + k] += weight * normal[k];
+        vector_add(3, weight, normal, normals + 3 * (size_t)corner[c]);
     }
 }
 

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "curve/polygon.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 
@@ -77,9 +78,7 @@ void builder_continue_signs(curve_builder *builder, bool told)
     for (size_t i = 1; place != BAT_NO_INDEX && i < builder->point_count; i++)
     {
         const double *before = builder->points + (i - 1) * dim + place;
-        double *quaternion = builder->points + i * dim + place, product = 0;
-        for (size_t c = 0; c < 4; c++)
-            product += before[c] * quaternion[c];
+        double *quaternion = builder->points + i * dim + place, product = vector_dot(4, before, quaternion);
         bool turns = told && fabs(product) < QUATERNION_ABOUT_HALF ? turned : product < 0;
         for (size_t c = 0; c < 4 && turns; c++)
             quaternion[c] = 0 - quaternion[c]; // avoids -0

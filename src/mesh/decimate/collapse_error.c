@@ -442,8 +442,7 @@ static quadric faces_of_edge(const collapse_mesh *mesh, const error_vertex *vert
         vector3_subtract(vertices[mesh->corner[bat_mesh_previous(side)]].position, a->position, aside);
         vector3_cross(along, aside, normal);
         quadric_add_plane(&sum, normal, -1);
-        for (int c = 0; c < 3; c++)
-            whole[c] += side == h ? -normal[c] : normal[c];
+        vector_add(3, side == h ? -1 : 1, normal, whole);
     }
     return sum;
 }

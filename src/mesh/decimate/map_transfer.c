@@ -87,10 +87,8 @@ static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const doubl
     {
         position[c] = mesh->positions + 3 * (size_t)mesh->faces[3 * (size_t)face + c];
         texture[c] = mesh->texture + 2 * (size_t)mesh->texture_faces[3 * (size_t)face + c];
-        for (size_t k = 0; k < 3; k++)
-            point.position[k] += barycentric[c] * position[c][k];
-        for (size_t k = 0; k < 2; k++)
-            point.texture[k] += barycentric[c] * texture[c][k];
+        vector_add(3, barycentric[c], position[c], point.position);
+        vector_add(2, barycentric[c], texture[c], point.texture);
     }
     for (size_t c = 0; c < 3; c++)
     {

@@ -140,12 +140,7 @@ static int longest_edge(double corners[3][3])
 {
     double squared[3];
     for (int c = 0; c < 3; c++)
-    {
-        double edge[3];
-        for (int k = 0; k < 3; k++)
-            edge[k] = corners[(c + 1) % 3][k] - corners[c][k];
-        squared[c] = vector3_dot(edge, edge);
-    }
+        squared[c] = chord_square(corners[c], corners[(c + 1) % 3]);
     return squared[0] >= squared[1] && squared[0] >= squared[2] ? 0 : squared[1] >= squared[2] ? 1 : 2;
 }
 

@@ -68,8 +68,7 @@ static inline void compare_count(compare_tally *tally, double distance, double w
     if (distance <= tally->greatest)
         return;
     tally->greatest = distance;
-    for (int k = 0; k < 3; k++)
-        tally->farthest[k] = point[k];
+    memcpy(tally->farthest, point, sizeof tally->farthest);
 }
 
 static inline const double *compare_corner(const compare_side *side, uint32_t face, int corner)

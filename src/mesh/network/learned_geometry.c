@@ -21,12 +21,6 @@ static const double SIGN_FLOOR = 0.02;
 
 // Small helpers
 
-static inline void add_to(double to[3], double factor, const double vector[3])
-{
-    for (int c = 0; c < 3; c++)
-        to[c] += factor * vector[c];
-}
-
 /// a / b, and 0 where b is 0.
 static inline double ratio(double a, double b)
 {
@@ -43,8 +37,7 @@ static inline double soft_sign(double height, double length)
 static inline void normalize(double vector[3], double min)
 {
     double length = vector3_length(vector), factor = length > min && length > DBL_MIN ? 1 / length : 0;
-    for (int c = 0; c < 3; c++)
-        vector[c] *= factor;
+    vector_scale(3, factor, vector);
 }
 
 static inline const double *place(const learned_geometry *g, uint32_t vertex)
@@ -118,7 +111,7 @@ static inline void add_area(const double before[3], const double edge[3], ring_s
 {
     double area[3];
     vector3_cross(before, edge, area);
-    add_to(sums->normal, 1, area);
+    vector_add(3, 1, area, sums->normal);
     sums->areas += vector3_dot(area, area);
 }
 
@@ -191,7 +184,7 @@ static void measure_second(learned_geometry *g, size_t v)
     uint32_t begin = g->flaps->first[v], end = g->flaps->first[v + 1];
     double sum[3] = {0}, share = begin < end ? 1 / (double)(end - begin) : 0;
     for (uint32_t f = begin; f < end; f++)
-        add_to(sum, 1, g->umbrella[flap[f].corner[1]]);
+        vector_add(3, 1, g->umbrella[flap[f].corner[1]], sum);
     for (int c = 0; c < 3; c++)
         g->second[v][c] = share * sum[c];
 }
@@ -216,7 +209,7 @@ static inline void add_star(const learned_geometry *g, const star_table table, u
         for (int c = 0; c < 3; c++)
             sum[c] = table[REGULAR][0] * (to[0][c] - own[c]) + table[REGULAR][1] * ((to[1][c] + to[5][c]) - 2 * own[c]) +
                      table[REGULAR][2] * ((to[2][c] + to[4][c]) - 2 * own[c]) + table[REGULAR][3] * (to[3][c] - own[c]);
-        add_to(star, share, sum);
+        vector_add(3, share, sum, star);
         return;
     }
     do
@@ -228,7 +221,7 @@ static inline void add_star(const learned_geometry *g, const star_table table, u
         f = f + 1 == end ? begin : f + 1;
         j++;
     } while (f != half_flap);
-    add_to(star, share, sum);
+    vector_add(3, share, sum, star);
 }
 
 /// Edges side by side, so that loops over them become vector code.
@@ -261,7 +254,7 @@ static void gather_edge(const learned_geometry *g, const star_table table, size_
         if (!at_boundary[end])
             add_star(g, table, pair[end], at_boundary[1 - end] ? 1 : 0.5, star);
     if (at_boundary[0] != at_boundary[1])
-        add_to(star, at_boundary[0] ? 0.5 : -0.5, to[0]);
+        vector_add(3, at_boundary[0] ? 0.5 : -0.5, to[0], star);
     for (int c = 0; c < 3; c++)
     {
         lanes->j[c][lane] = to[0][c];

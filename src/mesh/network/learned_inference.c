@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/threads.h"
+#include "linalg/vector.h"
 
 /// @file
 /// Forward pass of the network on blocks of vertices, half-flaps and edges. Products of vertex states are computed once for
@@ -285,8 +286,7 @@ static inline void sum_move(size_t count, const double candidate[][3], const lea
     for (size_t k = 0; k < count; k++)
     {
         double factor = (double)(bound[k].middle + bound[k].reach * coefficient[k]);
-        for (int c = 0; c < 3; c++)
-            sum[c] += factor * candidate[k][c];
+        vector_add(3, factor, candidate[k], sum);
     }
     memcpy(move, sum, sizeof sum);
 }
@@ -297,8 +297,7 @@ static void apply_moves(size_t rows, double reach, block *b, double *points)
     learned_move_factors(rows, reach, (const double(*)[3])b->move, b->size, b->factor);
     for (size_t r = 0; r < rows; r++)
         if (isfinite(b->move[r][0] + b->move[r][1] + b->move[r][2]))
-            for (int c = 0; c < 3; c++)
-                points[3 * r + (size_t)c] += b->factor[r] * b->move[r][c];
+            vector_add(3, b->factor[r], b->move[r], points + 3 * r);
         else
             b->failures++;
 }

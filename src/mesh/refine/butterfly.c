@@ -47,15 +47,9 @@ typedef struct butterfly_job
     double weights[TABLED][TABLED]; ///< butterfly_weight() by valence and neighbour
 } butterfly_job;
 
-static inline const double *row_of(const mesh_rows *rows, uint32_t vertex, size_t dim)
+static inline void add_row(const mesh_rows *rows, double weight, uint32_t vertex, double *restrict to, size_t dim)
 {
-    return rows->from + vertex * dim;
-}
-
-static inline void add_row(double *restrict to, double weight, const double *row, size_t dim)
-{
-    for (size_t i = 0; i < dim; i++)
-        to[i] += weight * row[i];
+    vector_add(dim, weight, rows->from + vertex * dim, to);
 }
 
 /// Add the vertex opposite a half-edge in the other face; at a boundary i + j - k replaces it.
@@ -65,12 +59,12 @@ static inline void add_beyond(const mesh_rows *rows, uint32_t half_edge, double 
     uint32_t twin = rows->level->links->twin[half_edge];
     if (twin != BAT_MESH_NONE)
     {
-        add_row(to, weight, row_of(rows, mesh_opposite(faces, twin), dim), dim);
+        add_row(rows, weight, mesh_opposite(faces, twin), to, dim);
         return;
     }
-    add_row(to, weight, row_of(rows, faces[half_edge], dim), dim);
-    add_row(to, weight, row_of(rows, mesh_end(faces, half_edge), dim), dim);
-    add_row(to, -weight, row_of(rows, mesh_opposite(faces, half_edge), dim), dim);
+    add_row(rows, weight, faces[half_edge], to, dim);
+    add_row(rows, weight, mesh_end(faces, half_edge), to, dim);
+    add_row(rows, -weight, mesh_opposite(faces, half_edge), to, dim);
 }
 
 /// The eight-point rule of a regular edge.
@@ -78,10 +72,10 @@ static inline void add_regular(const mesh_rows *rows, uint32_t half_edge, double
 {
     const uint32_t *faces = rows->level->faces;
     uint32_t twin = rows->level->links->twin[half_edge];
-    add_row(to, 1.0 / 2, row_of(rows, faces[half_edge], dim), dim);
-    add_row(to, 1.0 / 2, row_of(rows, faces[twin], dim), dim);
-    add_row(to, 1.0 / 8, row_of(rows, mesh_opposite(faces, half_edge), dim), dim);
-    add_row(to, 1.0 / 8, row_of(rows, mesh_opposite(faces, twin), dim), dim);
+    add_row(rows, 1.0 / 2, faces[half_edge], to, dim);
+    add_row(rows, 1.0 / 2, faces[twin], to, dim);
+    add_row(rows, 1.0 / 8, mesh_opposite(faces, half_edge), to, dim);
+    add_row(rows, 1.0 / 8, mesh_opposite(faces, twin), to, dim);
     add_beyond(rows, bat_mesh_next(half_edge), -1.0 / 16, to, dim);
     add_beyond(rows, bat_mesh_previous(half_edge), -1.0 / 16, to, dim);
     add_beyond(rows, bat_mesh_next(twin), -1.0 / 16, to, dim);
@@ -94,12 +88,12 @@ static void add_inner(const butterfly_job *job, uint32_t half_edge, unsigned val
     const mesh_rows *rows = job->rows;
     const uint32_t *faces = rows->level->faces;
     size_t dim = rows->dim;
-    add_row(to, share * 3 / 4, row_of(rows, faces[half_edge], dim), dim);
+    add_row(rows, share * 3 / 4, faces[half_edge], to, dim);
     uint32_t h = half_edge;
     for (unsigned j = 0; j < valence; j++)
     {
         double weight = valence < TABLED ? job->weights[valence][j] : butterfly_weight(valence, j);
-        add_row(to, share * weight, row_of(rows, mesh_end(faces, h), dim), dim);
+        add_row(rows, share * weight, mesh_end(faces, h), to, dim);
         h = bat_mesh_next_around(rows->level->links, h);
     }
 }
@@ -114,14 +108,14 @@ static void add_boundary(const mesh_rows *rows, uint32_t half_edge, unsigned val
     unsigned i = 0;
     for (uint32_t g = h; g != half_edge; g = bat_mesh_next_around(links, g))
         i++;
-    add_row(to, share * boundary_own_weight(valence, i), row_of(rows, vertex, dim), dim);
+    add_row(rows, share * boundary_own_weight(valence, i), vertex, to, dim);
     for (unsigned j = 0; j < valence; j++)
     {
-        add_row(to, share * boundary_weight(valence, i, j), row_of(rows, mesh_end(faces, h), dim), dim);
+        add_row(rows, share * boundary_weight(valence, i, j), mesh_end(faces, h), to, dim);
         last = h;
         h = bat_mesh_next_around(links, h);
     }
-    add_row(to, share * boundary_weight(valence, i, valence), row_of(rows, mesh_opposite(faces, last), dim), dim);
+    add_row(rows, share * boundary_weight(valence, i, valence), mesh_opposite(faces, last), to, dim);
 }
 
 /// The number of faces at an irregular vertex; 0 for a regular one.
@@ -159,10 +153,10 @@ static void add_four_point(const mesh_rows *rows, uint32_t half_edge, double *re
     uint32_t begin = faces[half_edge], end = mesh_end(faces, half_edge), last = half_edge;
     for (uint32_t h = half_edge; h != BAT_MESH_NONE; h = bat_mesh_next_around(links, h))
         last = h;
-    add_row(to, 9.0 / 16, row_of(rows, begin, dim), dim);
-    add_row(to, 9.0 / 16, row_of(rows, end, dim), dim);
-    add_row(to, -1.0 / 16, row_of(rows, mesh_opposite(faces, last), dim), dim);
-    add_row(to, -1.0 / 16, row_of(rows, mesh_end(faces, links->first[end]), dim), dim);
+    add_row(rows, 9.0 / 16, begin, to, dim);
+    add_row(rows, 9.0 / 16, end, to, dim);
+    add_row(rows, -1.0 / 16, mesh_opposite(faces, last), to, dim);
+    add_row(rows, -1.0 / 16, mesh_end(faces, links->first[end]), to, dim);
 }
 
 static inline void edge_row(const butterfly_job *job, uint32_t half_edge, size_t dim)
@@ -170,8 +164,7 @@ static inline void edge_row(const butterfly_job *job, uint32_t half_edge, size_t
     const mesh_rows *rows = job->rows;
     const mesh_level *level = rows->level;
     double *restrict to = rows->to + (level->links->vertex_count + level->links->edge[half_edge]) * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = 0;
+    memset(to, 0, dim * sizeof *to);
     if (mesh_at_boundary(level->links, half_edge))
         add_four_point(rows, half_edge, to);
     else if ((irregular_at(level, level->faces[half_edge]) | irregular_at(level, mesh_end(level->faces, half_edge))) == 0)

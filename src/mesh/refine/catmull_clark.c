@@ -26,14 +26,8 @@ static inline void face_row(const mesh_rows *rows, uint32_t face, uint32_t begin
     for (size_t i = 0; i < dim; i++)
         to[i] = 0;
     for (uint32_t c = begin; c < begin + count; c++)
-    {
-        const double *corner = rows->from + level->faces[c] * dim;
-        for (size_t i = 0; i < dim; i++)
-            to[i] += corner[i];
-    }
-    double weight = 1.0 / count;
-    for (size_t i = 0; i < dim; i++)
-        to[i] *= weight;
+        vector_add(dim, 1, rows->from + level->faces[c] * dim, to);
+    vector_scale(dim, 1.0 / count, to);
 }
 
 static void face_range(const void *context, size_t begin, size_t end)

@@ -56,9 +56,7 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
     unsigned valence = 0;
     do
     {
-        const double *neighbour = rows->from + neighbour_at(level, h, in_parent) * dim;
-        for (size_t i = 0; i < dim; i++)
-            to[i] += neighbour[i];
+        vector_add(dim, 1, rows->from + neighbour_at(level, h, in_parent) * dim, to);
         valence++;
         last = h;
         h = bat_mesh_next_around(links, h);
@@ -206,12 +204,6 @@ void loop_rule(const mesh_rows *rows, int threads)
 // eigenvalue 1. For a smooth vertex l has the weights 1 - n w and w with w = 1 / (n + 3 / (8 b)). Creases are cubic
 // B-splines with (1, 4, 1) / 6.
 
-/// The weight w of each neighbour in the limit position of a smooth vertex.
-static double limit_weight(unsigned valence)
-{
-    return 1 / (valence + 3 / (8 * ring_weight(valence)));
-}
-
 /// The limit weights around a dart, whose sharp edge leads to neighbour 0. With b = ring_weight() and weight 1 for the
 /// vertex, 5 w_i - w_(i-1) - w_(i+1) = 8 b for 0 < i < n, without the terms w_0 and w_n, and w_0 = 2 b + (w_1 + w_(n-1))
 /// / 4.
@@ -245,7 +237,7 @@ static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vert
     bool is_dart = sharp->kind == SHARP_DART;
     unsigned valence = mesh_valence(level, vertex);
     dart_weights dart = is_dart ? dart_make(valence) : (dart_weights){0};
-    double ring = is_dart ? 0 : limit_weight(valence);
+    double ring = is_dart ? 0 : 1 / (valence + 3 / (8 * ring_weight(valence)));
     double own = is_dart ? 1 / dart.total : 1 - valence * ring;
     uint32_t h = is_dart ? mesh_half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
     const double *from = rows->from + vertex * dim;
@@ -254,10 +246,8 @@ static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vert
         to[i] = own * from[i];
     for (unsigned n = 0; n < valence; n++)
     {
-        const double *neighbour = rows->from + mesh_end(level->faces, h) * dim;
         double weight = is_dart ? dart_weight(&dart, n) / dart.total : ring;
-        for (size_t i = 0; i < dim; i++)
-            to[i] += weight * neighbour[i];
+        vector_add(dim, weight, rows->from + mesh_end(level->faces, h) * dim, to);
         h = bat_mesh_next_around(level->links, h);
     }
 }

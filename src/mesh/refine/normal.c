@@ -52,12 +52,7 @@ void limit_rows(const mesh_rows *rows, void (*inner)(const mesh_rows *rows, uint
 /// Scale a vector to unit length. False, with the vector unchanged, when its length is 0 or not finite.
 static bool normalize(double vector[3])
 {
-    double length = sqrt(vector3_dot(vector, vector));
-    if (!(length > 0) || !isfinite(length))
-        return false;
-    for (int i = 0; i < 3; i++)
-        vector[i] /= length;
-    return true;
+    return isfinite(vector3_length(vector)) && vector3_normalize(vector);
 }
 
 void normal_add_way(const normal_job *job, double weight, uint32_t from, uint32_t to, double sum[3])
@@ -79,8 +74,7 @@ static void face_normals(const normal_job *job, uint32_t vertex, double normal[3
         normal_add_way(job, 1, vertex, level->faces[sides_next(&level->sides, h)], a);
         normal_add_way(job, 1, vertex, level->faces[sides_previous(&level->sides, h)], b);
         vector3_cross(a, b, area);
-        for (int i = 0; i < 3; i++)
-            sum[i] += area[i];
+        vector_add(3, 1, area, sum);
         h = sides_next_around(level, h);
     } while (h != BAT_MESH_NONE && h != first);
     memcpy(normal, sum, sizeof sum);
@@ -107,8 +101,7 @@ static void crease_normal(const normal_job *job, uint32_t vertex, const sharp_ve
         double one[3];
         job->rules->side(job, h, faces_to(level, h, sharp->ends[1 - s]), one);
         (void)normalize(one);
-        for (int i = 0; i < 3; i++)
-            sum[i] += one[i];
+        vector_add(3, 1, one, sum);
     }
     memcpy(normal, sum, sizeof sum);
 }
@@ -187,9 +180,7 @@ static void find_tangent(const normal_rules *rules, unsigned valence, double sig
     {
         rules->multiply(valence, row, room);
         project(rules, valence, sign, room);
-        double largest = 0;
-        for (size_t i = 0; i < size; i++)
-            largest = fmax(largest, fabs(room[i]));
+        double largest = vector_largest(size, room);
         change = 0;
         for (size_t i = 0; i < size; i++)
         {

@@ -51,8 +51,7 @@ static void face_normal(const mesh_level *level, const double *positions, uint32
         const double *q = positions + 3 * (size_t)level->faces[c], *r = positions + 3 * (size_t)level->faces[c + 1];
         double part[3];
         vector3_triangle(p, q, r, part);
-        for (int i = 0; i < 3; i++)
-            normal[i] += part[i];
+        vector_add(3, 1, part, normal);
     }
 }
 

@@ -121,9 +121,7 @@ static void inner_row(const rows_job *job, uint32_t vertex)
         to[i] = 0;
     do
     {
-        const double *neighbour = job->from + mesh_end(plan->faces, h) * dim;
-        for (size_t i = 0; i < dim; i++)
-            to[i] += neighbour[i];
+        vector_add(dim, 1, job->from + mesh_end(plan->faces, h) * dim, to);
         valence++;
         h = bat_mesh_next_around(plan->links, h);
     } while (h != first);

@@ -144,8 +144,7 @@ static double write_local(const double local[3], double least, double frame[3][3
     for (size_t k = 0; k < 3; k++)
     {
         pixel[k] = byte_of((k < 2 ? shrink * local[k] : up) / 2 + 0.5);
-        for (size_t i = 0; i < 3; i++)
-            decoded[i] += (2.0 * pixel[k] / WHOLE - 1) * frame[k][i];
+        vector_add(3, 2.0 * pixel[k] / WHOLE - 1, frame[k], decoded);
     }
     return vector3_angle(decoded, normal);
 }

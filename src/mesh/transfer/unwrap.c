@@ -148,8 +148,7 @@ static void collect(atlas *all, uint32_t first, uint32_t number, chart *made)
                 continue;
             all->chart_of[face] = number;
             all->order[made->end++] = face;
-            for (size_t k = 0; k < 3; k++)
-                sum[k] += all->areas[face] * normal[k];
+            vector_add(3, all->areas[face], normal, sum);
         }
     (void)vector3_normalize(sum);
     make_axes(sum, made->axes);
