@@ -387,11 +387,10 @@ static bool carry_texture(const repair_work *work, bat_mesh *made)
     if (mesh->texture_faces == NULL)
         return true;
     made->texture_count = mesh->texture_count;
-    made->texture = memory_array(mesh->texture_count, 2 * sizeof *made->texture);
     made->texture_faces = memory_array(work->face_count, 3 * sizeof *made->texture_faces);
-    if (made->texture == NULL || made->texture_faces == NULL)
+    if (!mesh_copy_array(mesh->texture, mesh->texture_count, 2 * sizeof *made->texture, (void **)&made->texture) ||
+        made->texture_faces == NULL)
         return false;
-    memcpy(made->texture, mesh->texture, mesh->texture_count * 2 * sizeof *made->texture);
     for (size_t f = 0; f < work->face_count; f++)
     {
         const uint32_t *from = mesh->texture_faces + 3 * (size_t)work->sources[f];

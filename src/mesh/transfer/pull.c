@@ -208,10 +208,8 @@ static bat_status pull_all(pull *all, bat_mesh *made, bat_error *error)
         pull_values(all, fine->channels + k, made->channels + k, fine->channel_count);
     if (coarse->face_labels == NULL || coarse->label_count != fine->label_count || status != BAT_OK)
         return status;
-    made->face_labels = memory_array(coarse->face_count, sizeof *made->face_labels);
-    if (made->face_labels == NULL)
+    if (!mesh_copy_array(coarse->face_labels, coarse->face_count, sizeof *made->face_labels, (void **)&made->face_labels))
         return error_memory(error, coarse->face_count * sizeof *made->face_labels);
-    memcpy(made->face_labels, coarse->face_labels, coarse->face_count * sizeof *made->face_labels);
     return pull_labels(all, coarse, made->face_labels, error);
 }
 
@@ -234,13 +232,9 @@ bat_status bat_mesh_transfer(const bat_mesh_map *map, const bat_mesh *fine, bat_
     memory_pool_free(&pool);
     if (status == BAT_OK)
     {
-        uint32_t *old = coarse->face_labels;
         mesh_swap_channels(coarse, &made);
         if (made.face_labels != NULL)
-        {
-            coarse->face_labels = made.face_labels;
-            made.face_labels = old;
-        }
+            SWAP(coarse->face_labels, made.face_labels);
         if (normals != NULL)
             *normals = carried;
     }
