@@ -61,6 +61,9 @@ typedef struct label_table
 /// A copy of a name in UTF-8 (other bytes: Latin-1; control characters: '_'), up to a zero byte. Null: out of memory.
 char *label_name_copy(label_name name);
 
+/// Whether one of `count` rows of `size` bytes begins with a name.
+bool label_name_taken(const char *name, const void *rows, size_t size, size_t count);
+
 /// A name for a new row beside `count` rows of `size` bytes, which begin with their names: a copy of the one given or,
 /// `numbered` or where another row has it, that with a number. Null: out of memory.
 char *label_name_unique(const char *given, bool numbered, const void *rows, size_t size, size_t count);

@@ -80,7 +80,7 @@ char *label_name_copy(label_name name)
     return copy;
 }
 
-static bool is_taken(const char *name, const void *rows, size_t size, size_t count)
+bool label_name_taken(const char *name, const void *rows, size_t size, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         if (strcmp(*(char *const *)(const void *)((const char *)rows + i * size), name) == 0)
@@ -91,14 +91,14 @@ static bool is_taken(const char *name, const void *rows, size_t size, size_t cou
 char *label_name_unique(const char *given, bool numbered, const void *rows, size_t size, size_t count)
 {
     char *name = label_name_copy(label_name_of(given));
-    if (name == NULL || (!numbered && !is_taken(name, rows, size, count)))
+    if (name == NULL || (!numbered && !label_name_taken(name, rows, size, count)))
         return name;
     size_t room = strlen(name) + 24;
     char *longer = malloc(room);
     for (size_t number = count; longer != NULL; number++)
     {
         (void)snprintf(longer, room, "%s_%zu", name, number);
-        if (!is_taken(longer, rows, size, count))
+        if (!label_name_taken(longer, rows, size, count))
             break;
     }
     free(name);

@@ -36,21 +36,16 @@ static bool is_byte_colour(const bat_mesh *mesh, size_t channel)
 static bool is_channel_name(const char *name)
 {
     static const char *const taken[] = {"x", "y", "z", "nx", "ny", "nz"};
-    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
-        if (strcmp(name, taken[i]) == 0)
-            return false;
     for (const char *at = name; *at != '\0'; at++)
         if (*at <= ' ' || *at == '#' || *at > '~')
             return false;
-    return *name != '\0';
+    return *name != '\0' && !label_name_taken(name, taken, sizeof *taken, sizeof taken / sizeof *taken);
 }
 
+/// Whether one of the first channels has a name.
 static bool has_channel(const bat_mesh *mesh, const char *name, size_t before)
 {
-    for (size_t i = 0; i < before; i++)
-        if (strcmp(mesh->channel_names[i], name) == 0)
-            return true;
-    return false;
+    return label_name_taken(name, mesh->channel_names, sizeof *mesh->channel_names, before);
 }
 
 static bat_status check_names(const bat_mesh *mesh, const ply_plan *plan, bat_error *error)
