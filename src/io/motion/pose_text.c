@@ -1,5 +1,7 @@
 #include "io/motion/pose_translation.h"
 
+#include "linalg/vector.h"
+
 #include <ctype.h>
 #include <math.h>
 
@@ -26,11 +28,6 @@ const char *poses_euler_fault(const char *euler)
 }
 
 // Rows of numbers without names
-
-static bool is_unit(const double *q)
-{
-    return fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) - 1) <= UNIT_TOLERANCE;
-}
 
 /// Whether a text has words at a place.
 static bool has_words(const file_text *text, size_t at, const char *words)
@@ -62,7 +59,7 @@ static bool probe(const pose_translation *work, size_t width, double *first, cha
         if (!pose_read_numbers(work->source, &line, width, numbers, separator) ||
             (width == KITTI_NUMBERS && pose_matrix_deviation(numbers, quaternion) > POSE_MATRIX_TOLERANCE))
             return false;
-        odd += numbers[0] < before || !is_unit(numbers + 4);
+        odd += numbers[0] < before || !(fabs(sqrt(vector_square(4, numbers + 4)) - 1) <= UNIT_TOLERANCE);
         before = numbers[0];
         if (rows++ == 0)
             *first = before;

@@ -311,8 +311,7 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
 
 /// Place the new vertex by least squares with all other points fixed and all edges increased by `added`; on the real axis if
 /// `on_line`. False for a ring with a face that is too flat.
-static bool place_new_longer(const collapse_ring *ring, const double (*points)[3], double added, bool on_line,
-                             double (*flat)[2])
+static bool place_new(const collapse_ring *ring, const double (*points)[3], double added, bool on_line, double (*flat)[2])
 {
     double weight = 0, sum[2] = {0};
     for (uint32_t k = 0; k < ring->count; k++)
@@ -336,19 +335,14 @@ static bool place_new_longer(const collapse_ring *ring, const double (*points)[3
     return true;
 }
 
-static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
-{
-    return place_new_longer(ring, points, 0, on_line, flat) ||
-           place_new_longer(ring, points, mollifier(ring, points, true), on_line, flat);
-}
-
 bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace, double (*flat)[2])
 {
     bool on_line = ring->vanishing == 1;
     if (on_line ? !flatten_on_line(ring, points, workspace, flat) : !flatten_free(ring, points, workspace, flat))
         return false;
     if (ring->closed || on_line)
-        return place_new(ring, points, on_line, flat);
+        return place_new(ring, points, 0, on_line, flat) ||
+               place_new(ring, points, mollifier(ring, points, true), on_line, flat);
     memcpy(flat[FLAT_NEW], flat[FLAT_I], sizeof flat[0]);
     return true;
 }

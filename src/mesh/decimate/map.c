@@ -37,19 +37,14 @@ static bool shrink(void **array, size_t size, size_t count)
     return made != NULL;
 }
 
-static bool reserve(bat_mesh_map *map, size_t entries, size_t points)
-{
-    return ARRAY_GROW(map->collapses, map->collapse_room, map->collapse_count + 1) &&
-           ARRAY_GROW(map->half_edge, map->entry_room, map->entry_count + entries) &&
-           ARRAY_GROW(map->points, map->point_room, 2 * (map->point_count + points));
-}
-
 bat_status map_append(bat_mesh_map *map, const collapse_ring *ring, const double (*flat)[2], bat_error *error)
 {
     size_t entries = ring->count + ring->vanishing, points = FLAT_RING + collapse_ring_vertices(ring);
     if (map->entry_count + entries >= MAP_NONE || map->point_count + points >= MAP_NONE)
         return ERROR_TOO_LARGE(error, "the map would have more than %u entries", MAP_NONE);
-    if (!reserve(map, entries, points))
+    if (!ARRAY_GROW(map->collapses, map->collapse_room, map->collapse_count + 1) ||
+        !ARRAY_GROW(map->half_edge, map->entry_room, map->entry_count + entries) ||
+        !ARRAY_GROW(map->points, map->point_room, 2 * (map->point_count + points)))
         return error_memory(error, map->point_room * 2 * sizeof *map->points);
     map->collapses[map->collapse_count++] = (map_collapse){.first_entry = (uint32_t)map->entry_count,
                                                            .first_point = (uint32_t)map->point_count,
