@@ -664,9 +664,7 @@ static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_err
               reader->builder.curve_count > reader->short_count;
         reader->drop_short = reader->drop_short || few;
     } while (status == BAT_OK && (reader->again || few));
-    if (status == BAT_OK && !csv_note_columns(reader))
-        status = error_memory(error, BAT_ERROR_TEXT_SIZE);
-    return status;
+    return status == BAT_OK && !csv_note_columns(reader) ? error_memory(error, BAT_ERROR_TEXT_SIZE) : status;
 }
 
 bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)

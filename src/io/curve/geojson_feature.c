@@ -160,9 +160,7 @@ static bat_status restore_coordinates(geojson_reader *reader, json_t *geometry)
     if (!json_scan_value(&scan))
         return geojson_no_memory(reader);
     bat_status status = json_parse(begin, (size_t)(scan.at - begin), JSON_ALLOW_NUL, 1, &tree, reader->error);
-    if (status == BAT_OK && json_object_set_new(geometry, "coordinates", tree) != 0)
-        status = geojson_no_memory(reader);
-    return status;
+    return status == BAT_OK && json_object_set_new(geometry, "coordinates", tree) != 0 ? geojson_no_memory(reader) : status;
 }
 
 /// Read coordinates from the text they were extracted from, or from text that is made of the tree.

@@ -192,9 +192,7 @@ static bat_status read_coordinates(wkt_scanner *scan, wkt_form *form, int depth,
         separator = ",";
     } while (status == BAT_OK && take(scan, ','));
     text_append_string(geojson, *separator == '[' ? "[]" : "]");
-    if (status == BAT_OK && !take(scan, ')'))
-        status = wkt_fault(scan, "',' or ')' is expected");
-    return status;
+    return status == BAT_OK && !take(scan, ')') ? wkt_fault(scan, "',' or ')' is expected") : status;
 }
 
 static bat_status read_geometry(wkt_scanner *scan, size_t depth, text_buffer *geojson);

@@ -350,9 +350,7 @@ static bat_status write_features(layer_reader *reader, const bat_limits *limits,
     text_append_string(&reader->text, "\n]}");
     if (status == BAT_OK && reader->messages.failures > 0)
         status = gdal_fault(&reader->messages, BAT_BAD_FILE, error, "GDAL cannot read all features");
-    if (status == BAT_OK && reader->text.failed)
-        status = error_memory(error, reader->text.size);
-    return status;
+    return status == BAT_OK && reader->text.failed ? error_memory(error, reader->text.size) : status;
 }
 
 static bool is_of_curves(OGRLayerH layer)

@@ -291,9 +291,7 @@ static bat_status primitives_of(const gltf_reader *reader, size_t index, json_t 
                                 bat_error *error)
 {
     bat_status status = gltf_element(&reader->document, "meshes", "mesh", index, mesh, error);
-    if (status == BAT_OK)
-        status = gltf_array(*mesh, "primitives", (gltf_place){"mesh", index}, primitives, error);
-    return status;
+    return status == BAT_OK ? gltf_array(*mesh, "primitives", (gltf_place){"mesh", index}, primitives, error) : status;
 }
 
 /// Decide whether vertices have colours, and of how many numbers.

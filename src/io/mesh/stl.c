@@ -137,9 +137,7 @@ static bat_status read_text_facet(mesh_builder *builder, word_scan *scan, bool r
         status = expect(scan, index, "endloop", NULL, error);
     if (status == BAT_OK)
         status = expect(scan, index, "endfacet", NULL, error);
-    if (status == BAT_OK && !mesh_builder_end_face(builder, 3))
-        status = mesh_builder_no_memory(builder, error);
-    return status;
+    return status == BAT_OK && !mesh_builder_end_face(builder, 3) ? mesh_builder_no_memory(builder, error) : status;
 }
 
 /// Read one or more solids. Their names are skipped.

@@ -422,7 +422,5 @@ bat_status attributes_finish(const attributes *all, const bat_mesh *fine, const 
     bat_status status = BAT_OK;
     if (all->texture.width > 0)
         status = finish_texture(&all->texture, mesh, coarse, error);
-    if (status == BAT_OK && all->channels.width > 0)
-        status = finish_channels(&all->channels, fine, mesh, coarse, error);
-    return status;
+    return status == BAT_OK && all->channels.width > 0 ? finish_channels(&all->channels, fine, mesh, coarse, error) : status;
 }

@@ -409,9 +409,7 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
     }
     memory_pool_free(&scratch);
     free(edges);
-    if (status == BAT_OK && !made)
-        status = error_memory(error, all * sizeof *now->part);
-    return status;
+    return status == BAT_OK && !made ? error_memory(error, all * sizeof *now->part) : status;
 }
 
 /// Which vertices and faces of the next level are real, and the numbers of the vertices there are already.
@@ -648,9 +646,7 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
         memset(fresh, true, coarse->vertex_count * sizeof *fresh);
         status = find_limits(work, now, error);
     }
-    if (status == BAT_OK)
-        status = number_vertices(work, now, fresh, error);
-    return status;
+    return status == BAT_OK ? number_vertices(work, now, fresh, error) : status;
 }
 
 /// Refuse the level after one with `count` faces to be split where its arrays, the work on them and the result would take

@@ -341,9 +341,7 @@ static bat_status split_level(const refinement *work, const mesh_scheme *scheme,
         status = split_links(polygons, &now->links, threads, &next->links, error);
     if (status == BAT_OK && now->edge_sharpness != NULL && next->links.edge != NULL)
         status = sharpness_split(&level, &next->links, &next->edge_sharpness, error);
-    if (status == BAT_OK && last)
-        status = sharpness_write(&level, &next->mesh, error);
-    return status;
+    return status == BAT_OK && last ? sharpness_write(&level, &next->mesh, error) : status;
 }
 
 /// One level of a scheme that splits faces. Learned positions come later, with a share of the butterfly's; channels are
