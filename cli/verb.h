@@ -194,7 +194,7 @@ typedef struct surface_findings
 const char *surface_verdict(const bat_surface_verdict *verdict, char text[SURFACE_VERDICT_SIZE]);
 /// Tell the simple shape that points lie on, and what was written of it, which may be null; the null of JSON without a
 /// shape.
-json_t *surface_shape(const bat_surface_primitive *shape, const surface_written *written, bool as_json);
+json_t *surface_shape(const bat_surface_primitive *found, const surface_written *written, bool as_json);
 /// Print the report and return null, or return it as an object, which is null where memory ran out.
 json_t *surface_report(const surface_findings *findings, bool as_json);
 
