@@ -138,7 +138,7 @@ bool shape_model_end(trimmed_model *made)
             if (!closed && is_line(model, image, limit, exact))
                 curve->kind = SHAPE_LINE;
             for (size_t k = 3; k < 3 * last && curve->kind == SHAPE_LINE; k++)
-                end[k] = end[k % 3] + (double)(k / 3) / (double)last * (end[3 * last + k % 3] - end[k % 3]);
+                end[k] = end[k % 3] + floor((double)k / 3) / (double)last * (end[3 * last + k % 3] - end[k % 3]);
             double area = area_of(model, image, &angle, ranges[l > 0]);
             *curve = (shape_curve){.kind = curve->kind, .radius = sqrt(fabs(area) / ANGLE_PI)};
             if (closed && plane && is_circle(image, limit, curve))
