@@ -61,7 +61,7 @@ static bool is_line(const shape_model *model, const bat_spline_curve *image, dou
     return length > exact && largest <= limit && vector3_distance(foot, middle) <= exact;
 }
 
-/// Whether a closed curve is near the circle of its area around the mean of its cubics' ends. Puts the ends on the circle.
+/// Whether a closed curve is near the circle of its area around the mean of its cubics' ends. Puts its ends on it then.
 static bool is_circle(bat_spline_curve *image, double limit, shape_curve *circle)
 {
     size_t last = knot_vector_functions(&image->knots) - 1;
@@ -70,10 +70,11 @@ static bool is_circle(bat_spline_curve *image, double limit, shape_curve *circle
         circle->place[i % 3] += 3 * end[i] / (double)last;
     for (size_t i = 0; i < last; i += 3)
         largest = fmax(largest, fabs(vector3_distance(end + 3 * i, circle->place) - circle->radius));
+    bool near = last >= 24 && largest <= limit && circle->radius > 4 * limit;
     double stretch = circle->radius / vector3_distance(end, circle->place);
-    for (size_t c = 0; c < 3 && largest <= limit; c++)
+    for (size_t c = 0; c < 3 && near; c++)
         end[3 * last + c] = end[c] = circle->place[c] + stretch * (end[c] - circle->place[c]);
-    return last >= 24 && largest <= limit && circle->radius > 4 * limit;
+    return near;
 }
 
 /// The area that a curve adds by Green's formula: f(height, distance) times the angle around the axis. The range receives
