@@ -9,6 +9,8 @@ folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 1
 failures=0
+# Seconds for one run, at most ten times what it takes: a run that waits forever is told by its own line.
+seconds=120
 
 check()
 {
@@ -23,7 +25,24 @@ ranks()
     count=$1
     code=$2
     shift 2
-    "$mpirun" -n "$count" "$mpi" "$verb" "$@" > stdout 2> stderr < /dev/null
+    timeout -k 10 $seconds "$mpirun" -n "$count" "$mpi" "$verb" "$@" > stdout 2> stderr < /dev/null
     got=$?
     check "exit code $got instead of $code: $count ranks, $*" test $got -eq "$code"
+}
+
+# cut_short N WHICH FILE ARGUMENTS…: starts N ranks, and kills the one numbered WHICH once FILE is there.
+cut_short()
+{
+    count=$1
+    which=$2
+    awaited=$3
+    shift 3
+    timeout -k 10 $seconds "$mpirun" -n "$count" "$mpi" "$verb" "$@" > stdout 2> stderr < /dev/null &
+    started=$!
+    while kill -0 $started 2> /dev/null && [ ! -e "$awaited" ]; do sleep 0.01; done
+    launcher=$(pgrep -P $started)
+    rank=
+    [ -z "$launcher" ] || rank=$(pgrep -P "$launcher" | sed -n "${which}p")
+    [ -z "$rank" ] || kill -KILL "$rank" 2> /dev/null
+    wait $started 2> /dev/null
 }

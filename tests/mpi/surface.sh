@@ -99,12 +99,7 @@ END
     check "a sample gives a surface as good" test $? -eq 0
     # Killed and taken up.
     for attempt in 1 2 3 4 5; do
-        "$mpirun" -n 2 "$mpi" surface raw.xyz --checkpoint state -o killed.xml > stdout 2> stderr < /dev/null &
-        running=$!
-        while kill -0 $running 2> /dev/null && [ ! -e state ]; do sleep 0.01; done
-        rank=$(pgrep -P $running | tail -n 1)
-        [ -n "$rank" ] && kill -9 "$rank" 2> /dev/null
-        wait $running 2> /dev/null
+        cut_short 2 2 state raw.xyz --checkpoint state -o killed.xml
         [ -e state ] && break
     done
     check "a state is there" test -e state
@@ -143,12 +138,7 @@ resume)
     for n in 2 4; do
         killed=no
         for attempt in 1 2 3 4 5; do
-            "$mpirun" -n $n "$mpi" surface $given --functions 500 --checkpoint state -o two.xml > stdout 2> stderr < /dev/null &
-            running=$!
-            while kill -0 $running 2> /dev/null && [ ! -e state ]; do sleep 0.01; done
-            rank=$(pgrep -P $running | sed -n "${attempt}p")
-            [ -n "$rank" ] && kill -9 "$rank" 2> /dev/null
-            wait $running 2> /dev/null
+            cut_short $n $attempt state $given --functions 500 --checkpoint state -o two.xml
             [ -e two.xml ] || killed=yes
             [ -e state ] && break
         done
