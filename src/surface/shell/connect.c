@@ -15,6 +15,8 @@
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 
+#include <string.h>
+
 #define FIRST_CELLS 12 ///< least number of cells of the first grid along the longest side
 #define FULL_CELLS 64  ///< most cells of a full grid
 #define MAX_CELLS 400  ///< of the last grid
@@ -634,8 +636,8 @@ static bat_status solve_levels(connection *work, double extent, double finest, b
     return status;
 }
 
-bat_status shell_connect(const double *points, size_t count, bat_progress progress, bat_mesh *mesh, shell_connection *found,
-                         bat_error *error)
+bat_status shell_connect(const double *points, size_t count, bat_progress progress, bat_mesh *mesh, double *normals,
+                         shell_connection *found, bat_error *error)
 {
     connection work = {.points = points, .count = count};
     nearest_tree tree = {0};
@@ -662,6 +664,8 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
         if (status == BAT_OK)
             status = shell_orient(&(shell_cloud){points, count, &tree, work.areas, found->spacing, found->noise}, &planes,
                                   &work.pool, &work.outside, error);
+        for (size_t i = 0; i < count && status == BAT_OK && normals != NULL; i++)
+            memcpy(normals + 3 * i, planes.planes[i].axes[2], 3 * sizeof *normals);
         if (status == BAT_OK)
             status = solve_levels(&work, extent, found->cell, progress, error);
     }

@@ -43,9 +43,14 @@ static const double NORMALS = 0.3;
 static const double NOISE_SLOPE = 3, MIN_NOISE = 0.05, MAX_NOISY = 3;
 /// Factor of the smoothing where a shell is wrong, or has more folds for each patch than allowed, and the largest distance
 /// of its points in that of held-out ones, or in spacings.
-static const double STIFFER = 4, MAX_FOLDED = 0.001, FOLDED_STIFFER = 2, MAX_STIFFER = 1.2, STIFFER_SPACINGS = 0.15;
+static const double STIFFER = 4, MAX_FOLDED[2] = {0.001, 0.003}, FOLDED_STIFFER = 2, MAX_STIFFER = 1.2,
+                    STIFFER_SPACINGS = 0.15;
 /// Share of the way to the middle of the neighbours.
 static const double RELAXATION = 0.7;
+/// Least quality of the triangles of a scaffold with creases: flat parts would get slivers.
+static const double MIN_QUALITY = 0.3;
+/// Noise in spacings, from which creases are not looked for.
+static const double MAX_CREASE_NOISE = 0.3;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
@@ -94,10 +99,14 @@ typedef struct shell_work
     double *points; ///< count x 3, of unit size, in an order that depends on coordinates alone; then anchors
     size_t count;
     bat_mesh mesh;                   ///< of unit size
+    bat_mesh creased;                ///< the same with creases that were found; empty: none
     bat_mesh_closest_point *closest; ///< of the points and anchors on the mesh
-    bool *held;                      ///< count
-    bool closed;                     ///< the mesh of points
-    bool folded;                     ///< the first fit
+    bat_mesh_closest_point *creased_closest;
+    double *creased_points; ///< those with the anchors of the other mesh
+    bool sharp;             ///< `mesh` is the one with creases
+    bool *held;             ///< count
+    bool closed;            ///< the mesh of points
+    bool folded;            ///< the first fit
     double noise, stiffness;
     double normals; ///< their weight in the error of the layout
     bat_shell_report report;
@@ -248,30 +257,45 @@ static bat_status relax(bat_mesh *mesh, bool *closed, bat_error *error)
     return BAT_OK;
 }
 
-/// Coarsen the mesh that connects the points, which is a scaffold for layouts alone.
-static bat_status coarsen(shell_work *work, bat_error *error)
+/// Coarsen a mesh that connects the points, which is a scaffold for layouts alone.
+static bat_status coarsen(const shell_work *work, bat_mesh *mesh, bat_error *error)
 {
     bat_mesh coarse;
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
     options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = CONNECTED_FACES;
+    options.min_quality = mesh->crease_count > 0 ? MIN_QUALITY : options.min_quality;
     options.threads = work->options->threads;
-    bat_status status = relax(&work->mesh, &work->closed, error);
-    if (status != BAT_OK || work->mesh.face_count <= CONNECTED_FACES)
-        return status;
-    status = bat_mesh_decimate(&work->mesh, &options, &coarse, NULL, error);
+    if (mesh->face_count <= CONNECTED_FACES)
+        return BAT_OK;
+    bat_status status = bat_mesh_decimate(mesh, &options, &coarse, NULL, error);
     if (status == BAT_OK)
     {
-        bat_mesh_free(&work->mesh);
-        work->mesh = coarse;
+        bat_mesh_free(mesh);
+        *mesh = coarse;
     }
+    return status;
+}
+
+/// Copy the mesh that connects the points, and find creases in the copy.
+static bat_status crease(shell_work *work, const shell_connection *found, const double *normals, bat_error *error)
+{
+    nearest_tree tree = {0};
+    const shell_cloud cloud = {work->points, work->count, &tree, NULL, found->spacing, found->noise};
+    bat_status status = neighbours_build(work->points, work->count, &tree, error);
+    if (status == BAT_OK)
+        status = shell_find_creases(&cloud, normals, work->options->crease, &work->mesh, &work->creased, error);
+    nearest_free(&tree);
     return status;
 }
 
 static bat_status connect_points(shell_work *work, bat_progress progress, bat_error *error)
 {
     shell_connection found = {0};
-    bat_status status = shell_connect(work->points, work->count, progress, &work->mesh, &found, error);
+    double *normals = memory_pool_array(&work->pool, work->count, 3 * sizeof *normals);
+    bat_status status = memory_pool_check(&work->pool, error);
+    if (status == BAT_OK)
+        status = shell_connect(work->points, work->count, progress, &work->mesh, normals, &found, error);
     if (status == BAT_OK)
         status =
             shell_open_holes(work->points, work->count, &found, ldexp(work->options->fill_holes / 2, work->frame.exponent),
@@ -279,7 +303,13 @@ static bat_status connect_points(shell_work *work, bat_progress progress, bat_er
     if (status == BAT_OK)
         status = shell_cut_handles(work->points, work->count, &found, &work->mesh, &work->report, error);
     if (status == BAT_OK)
-        status = coarsen(work, error);
+        status = relax(&work->mesh, &work->closed, error);
+    if (status == BAT_OK && work->options->crease > 0 && found.noise < MAX_CREASE_NOISE * found.spacing)
+        status = crease(work, &found, normals, error);
+    if (status == BAT_OK)
+        status = coarsen(work, &work->mesh, error);
+    if (status == BAT_OK)
+        status = coarsen(work, &work->creased, error);
     work->noise = found.noise;
     if (!(work->options->tolerance > 0))
         work->stiffness = fmin(1 + NOISE_SLOPE * fmax(found.noise / found.spacing - MIN_NOISE, 0), MAX_NOISY);
@@ -579,7 +609,7 @@ static bat_status fit_faces(shell_work *work, size_t faces, bool strict, bat_pro
         status = fit_trial(&trial, ROUNDS, error);
     if (status == BAT_OK)
         status = unfold(work, &trial, &folds, error);
-    work->folded = strict && (double)folds > MAX_FOLDED * (double)trial.grid.quad_count;
+    work->folded = strict && (double)folds > MAX_FOLDED[work->sharp] * (double)trial.grid.quad_count;
     if (status == BAT_OK && work->folded)
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the shell folds at %zu places", folds);
     if (status == BAT_OK)
@@ -630,6 +660,49 @@ static bat_status place_on_mesh(shell_work *work, bat_error *error)
     return BAT_OK;
 }
 
+/// Take the mesh with creases, or give it back.
+static void swap_creases(shell_work *work)
+{
+    SWAP(work->mesh, work->creased);
+    SWAP(work->points, work->creased_points);
+    SWAP(work->closest, work->creased_closest);
+    work->sharp = !work->sharp;
+}
+
+/// Fit the mesh with creases, where held-out points are nearer with it, by the layout of the nearer ones first.
+/// @param fitted receives whether one is right; else `work` is as before
+static bat_status fit_creases(shell_work *work, size_t faces, bool strict, bat_progress progress, bat_shell *shell,
+                              bool *fitted, bat_error *error)
+{
+    double held[2] = {INFINITY, INFINITY}, smooth = work->report.held_out, normals = work->normals, largest;
+    work->creased_points = work->points;
+    swap_creases(work);
+    bat_status status = place_on_mesh(work, error);
+    for (int k = 0; k < 2 && status == BAT_OK; k++)
+    {
+        work->normals = k * NORMALS;
+        status = try_layout(work, faces, &held[k], &largest, error);
+    }
+    for (int k = 0; k < 2 && status == BAT_OK && !*fitted; k++)
+    {
+        int nearer = (held[1] < held[0]) != k;
+        if (!(held[nearer] < (1 - MIN_GAIN) * smooth))
+            break;
+        work->normals = nearer * NORMALS;
+        work->report.held_out = held[nearer];
+        status = fit_faces(work, faces, strict, progress, shell, error);
+        *fitted = status == BAT_OK;
+        status = status == BAT_NO_CONVERGENCE ? BAT_OK : status;
+    }
+    if (!*fitted)
+    {
+        swap_creases(work);
+        work->normals = normals;
+        work->report.held_out = smooth;
+    }
+    return status == BAT_NO_CONVERGENCE ? BAT_OK : status;
+}
+
 /// Find the number of faces and fit. A shell that is wrong has too many faces for its points at some place: half as many
 /// are tried then, with more smoothing (first as many, where it folds), and the first failure is told where that fails too.
 static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *error)
@@ -640,9 +713,12 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
     bat_status status = place_on_mesh(work, error);
     if (status == BAT_OK)
         status = find_layout(work, progress_of_part(&trials), &faces, error);
-    if (status == BAT_OK)
-        status =
-            fit_faces(work, faces, work->options->faces == 0 && faces > MIN_FACES, progress_of_part(&last), shell, error);
+    const bool strict = work->options->faces == 0 && faces > MIN_FACES;
+    bool fitted = false;
+    if (status == BAT_OK && work->creased.face_count > 0)
+        status = fit_creases(work, faces, strict, progress_of_part(&last), shell, &fitted, error);
+    if (status == BAT_OK && !fitted)
+        status = fit_faces(work, faces, strict, progress_of_part(&last), shell, error);
     for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && work->options->faces == 0 && faces > MIN_FACES; k++)
     {
         bat_error failure;
@@ -691,13 +767,17 @@ bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_m
         if (status == BAT_OK)
             status = connect_points(&work, progress_of_part(&first), error);
     }
-    if (status == BAT_OK)
-        status = face_outwards(&work.mesh, error);
-    if (status == BAT_OK)
-        status = add_normals(&work.mesh, error);
+    bat_mesh *meshes[] = {&work.mesh, &work.creased};
+    for (size_t k = 0; k < 2 && status == BAT_OK && meshes[k]->face_count > 0; k++)
+    {
+        status = face_outwards(meshes[k], error);
+        if (status == BAT_OK)
+            status = add_normals(meshes[k], error);
+    }
     if (status == BAT_OK)
         status = fit_and_judge(&work, &made, error);
     bat_mesh_free(&work.mesh);
+    bat_mesh_free(&work.creased);
     memory_pool_free(&work.pool);
     if (status == BAT_OK)
         *shell = made;

@@ -58,10 +58,11 @@ bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, memor
                         bat_error *error);
 
 /// Make the zero level of a smooth function whose gradients are the normals of the points.
-/// @param points count x 3, distinct
-/// @param mesh   receives the mesh, with outward normals where it is closed
-bat_status shell_connect(const double *points, size_t count, bat_progress progress, bat_mesh *mesh, shell_connection *found,
-                         bat_error *error);
+/// @param points  count x 3, distinct
+/// @param mesh    receives the mesh, with outward normals where it is closed
+/// @param normals receives the outward normals of the points, count x 3; may be null
+bat_status shell_connect(const double *points, size_t count, bat_progress progress, bat_mesh *mesh, double *normals,
+                         shell_connection *found, bat_error *error);
 
 /// Distances of places from the nearest point, in spacings of the points around that one, or in `least` where these are
 /// less.
@@ -82,6 +83,13 @@ bat_status shell_even_out(bat_mesh *mesh, size_t first, uint8_t ring_count, int 
 /// Cut tunnels and bridges of the mesh that the points contradict, and close both sides.
 bat_status shell_cut_handles(const double *points, size_t count, const shell_connection *found, bat_mesh *mesh,
                              bat_shell_report *report, bat_error *error);
+
+/// Put sharp edges of the points as creases into a copy of the mesh that connects them, where that leaves no folds.
+/// @param outwards normals of the points, count x 3; their sides alone matter
+/// @param angle    least angle between the normals of the two sides
+/// @param creased  receives the copy; empty when there is no crease
+bat_status shell_find_creases(const shell_cloud *cloud, const double *outwards, double angle, const bat_mesh *mesh,
+                              bat_mesh *creased, bat_error *error);
 
 // The layout: a coarse mesh of quads, each of which becomes a face of the shell.
 
