@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "linalg/blas.h"
 #include "linalg/symmetric.h"
-#include "linalg/vector.h"
 
 #include <string.h>
 

@@ -9,7 +9,6 @@
 #include "surface/candidate.h"
 
 #include "base/progress.h"
-#include "linalg/vector.h"
 #include "surface/fit/points.h"
 #include "surface/parameterize/weights.h"
 

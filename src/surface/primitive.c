@@ -2,9 +2,7 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/symmetric.h"
-#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
 
 #include <string.h>

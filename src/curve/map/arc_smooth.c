@@ -6,8 +6,6 @@
 #include "curve/polygon.h"
 #include "curve/smooth.h"
 
-#include <math.h>
-
 typedef struct smooth_job
 {
     arc_graph *graph;

@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "draw/curve/scene.h"
 
 #include <string.h>

@@ -1,8 +1,6 @@
 #include "draw/curve/scene.h"
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "curve/polygon.h"
 
 #include <string.h>
 

@@ -2,7 +2,6 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 
 /// @file

@@ -1,7 +1,6 @@
 #include "draw/curve/scene.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <string.h>
 

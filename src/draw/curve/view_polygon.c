@@ -1,5 +1,4 @@
 #include "draw/common/sheet.h"
-#include "draw/curve/view.h"
 
 /// @file
 /// Regions bounded by geodesic polylines on the sphere.

@@ -1,7 +1,5 @@
 #include "draw/mesh/shade.h"
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 #include "linalg/vector.h"
 

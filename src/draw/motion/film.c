@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "draw/curve/view.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <string.h>

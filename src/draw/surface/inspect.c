@@ -1,12 +1,9 @@
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
-#include "draw/common/legend.h"
 #include "draw/surface/scene.h"
 #include "linalg/vector.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdio.h>
 
 /// @file

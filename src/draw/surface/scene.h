@@ -1,9 +1,7 @@
 #pragma once
 
-#include "batten/base.h"
 #include "batten/spline.h"
 #include "batten/surface_picture.h"
-#include "draw/common/style.h"
 #include "draw/mesh/shade.h"
 
 /// @file

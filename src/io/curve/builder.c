@@ -6,8 +6,6 @@
 #include "curve/polygon.h"
 #include "linalg/vector.h"
 
-#include <math.h>
-
 /// @file
 /// Points and channels of curves, appended one by one and checked against their space.
 

@@ -3,7 +3,6 @@
 #include "linalg/vector.h"
 
 #include <ctype.h>
-#include <math.h>
 
 /// Rows that are tried before a text without names is taken for a trajectory.
 static const int PROBED_ROWS = 100;

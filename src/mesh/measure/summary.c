@@ -3,7 +3,6 @@
 #include "base/choice.h"
 #include "base/counting_sort.h"
 #include "base/disjoint_sets.h"
-#include "base/error.h"
 #include "base/exact_sum.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"

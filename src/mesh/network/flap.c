@@ -1,6 +1,5 @@
 #include "mesh/network/flap.h"
 
-#include "base/error.h"
 #include "mesh/refine/level.h"
 
 #include <assert.h>

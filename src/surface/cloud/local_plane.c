@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "linalg/symmetric.h"
-#include "linalg/vector.h"
 
 #include <string.h>
 

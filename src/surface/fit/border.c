@@ -4,7 +4,6 @@
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
-#include "linalg/vector.h"
 
 #include <string.h>
 

@@ -12,9 +12,6 @@
 #include "base/error.h"
 #include "base/threads.h"
 
-#include <float.h>
-#include <math.h>
-
 bat_status fit_nets_make(const bat_hierarchical_space *space, const double *control, size_t dimension, int threads,
                          fit_nets *nets, bat_error *error)
 {

@@ -7,7 +7,6 @@
 
 #include "surface/fit/system.h"
 
-#include <math.h>
 #include <string.h>
 
 double fit_random_sign(uint32_t number, size_t probe)

@@ -9,7 +9,6 @@
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
-#include "linalg/vector.h"
 
 // Share of the total squared error that the marked cells carry, without a tolerance (Doerfler, 1996).
 static const double BULK_SHARE = 0.3;

@@ -6,7 +6,6 @@
 #include "base/threads.h"
 #include "surface/fit/loop.h"
 
-#include <math.h>
 #include <string.h>
 
 bat_status team_gather(const fit_team *team, const void *bytes, size_t size, size_t **sizes, char **all, bat_error *error)

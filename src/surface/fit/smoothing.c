@@ -21,7 +21,6 @@
 #include "base/error.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 // Smallest admissible ratio of a Cholesky pivot to its diagonal entry. Below it only the first digits are correct.

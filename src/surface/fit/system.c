@@ -13,7 +13,6 @@
 #include "linalg/multifrontal.h"
 
 #include <limits.h>
-#include <math.h>
 #include <string.h>
 
 enum

@@ -10,7 +10,6 @@
 #include "base/memory.h"
 #include "base/threads.h"
 
-#include <math.h>
 #include <string.h>
 
 #define MAX_LOCALS ((BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1))
