@@ -202,18 +202,14 @@ static bool store(const setting *to, const char *value, size_t length, void *val
 {
     void *field = (char *)values + to->offset;
     const char *end = value;
-    const bat_choice *row;
-    switch (to->kind)
-    {
-    case SETTING_NUMBER:
+    if (to->kind == SETTING_NUMBER)
         return settings_number(&end, field) && end == value + length;
-    case SETTING_FLAG:
+    if (to->kind == SETTING_FLAG)
+    {
         *(bool *)field = *value == '1';
         return length == 1 && (*value == '0' || *value == '1');
-    case SETTING_CHOICE:
-        break;
     }
-    row = choice_find(to->family, value, length);
+    const bat_choice *row = choice_find(to->family, value, length);
     if (row != NULL)
         *(int *)field = row->value;
     return row != NULL;

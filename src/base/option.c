@@ -10,16 +10,9 @@
 static double value_of(const void *options, const option_field *field)
 {
     const char *at = (const char *)options + field->offset;
-    switch (field->kind)
-    {
-    case OPTION_CHOICE:
-    case OPTION_INT:
+    if (field->kind == OPTION_CHOICE || field->kind == OPTION_INT)
         return (double)*(const int *)(const void *)at;
-    case OPTION_SIZE:
-        return (double)*(const size_t *)(const void *)at;
-    default:
-        return *(const double *)(const void *)at;
-    }
+    return field->kind == OPTION_SIZE ? (double)*(const size_t *)(const void *)at : *(const double *)(const void *)at;
 }
 
 /// Whether options may have the enumerator of a row.

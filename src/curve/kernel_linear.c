@@ -11,35 +11,28 @@ static inline void sum_rows(const mask_taps *t, size_t dim, const double *restri
 {
     const double *w = t->weights;
     const double *p = points + t->start * (ptrdiff_t)dim;
-    switch (t->count)
-    {
-    case 1:
+    if (t->count == 1)
         for (size_t i = 0; i < count; i++)
             block[i] = w[0] * p[i];
-        return;
-    case 2:
+    else if (t->count == 2)
         for (size_t i = 0; i < count; i++)
             block[i] = w[0] * p[i] + w[1] * p[i + dim];
-        return;
-    case 3:
+    else if (t->count == 3)
         for (size_t i = 0; i < count; i++)
             block[i] = w[0] * p[i] + w[1] * p[i + dim] + w[2] * p[i + 2 * dim];
-        return;
-    case 4:
+    else if (t->count == 4)
         for (size_t i = 0; i < count; i++)
             block[i] = (w[0] * p[i] + w[3] * p[i + 3 * dim]) + (w[1] * p[i + dim] + w[2] * p[i + 2 * dim]);
-        return;
-    case 6:
+    else if (t->count == 6)
         for (size_t i = 0; i < count; i++)
             block[i] = (w[0] * p[i] + w[5] * p[i + 5 * dim]) + (w[1] * p[i + dim] + w[4] * p[i + 4 * dim]) +
                        (w[2] * p[i + 2 * dim] + w[3] * p[i + 3 * dim]);
-        return;
-    default:
+    else
+    {
         memset(block, 0, count * sizeof *block);
         for (size_t k = 0; k < t->count; k++)
             for (size_t i = 0; i < count; i++)
                 block[i] += w[k] * p[i + k * dim];
-        return;
     }
 }
 
@@ -103,23 +96,17 @@ static size_t refine_common_pairs(const mask_taps *even, const mask_taps *odd, c
                                   double *fine)
 {
     size_t whole = rows / 4 * 4;
-    switch (10 * even->count + odd->count)
-    {
-    case 22:
+    if (even->count == 2 && odd->count == 2)
         refine_pairs(even, odd, 2, 2, points, whole, fine);
-        return whole;
-    case 14:
+    else if (even->count == 1 && odd->count == 4)
         refine_pairs(even, odd, 1, 4, points, whole, fine);
-        return whole;
-    case 16:
+    else if (even->count == 1 && odd->count == 6)
         refine_pairs(even, odd, 1, 6, points, whole, fine);
-        return whole;
-    case 32:
+    else if (even->count == 3 && odd->count == 2)
         refine_pairs(even, odd, 3, 2, points, whole, fine);
-        return whole;
-    default:
+    else
         return 0;
-    }
+    return whole;
 }
 
 LANES_CLONES
@@ -130,21 +117,14 @@ static void refine_block(const mask_taps *even_taps, const mask_taps *odd_taps, 
     size_t count = rows * dim;
     sum_rows(even_taps, dim, points, count, even);
     sum_rows(odd_taps, dim, points, count, odd);
-    switch (dim)
-    {
-    case 1:
+    if (dim == 1)
         interleave(even, odd, rows, 1, fine);
-        return;
-    case 2:
+    else if (dim == 2)
         interleave(even, odd, rows, 2, fine);
-        return;
-    case 3:
+    else if (dim == 3)
         interleave(even, odd, rows, 3, fine);
-        return;
-    default:
+    else
         interleave(even, odd, rows, dim, fine);
-        return;
-    }
 }
 
 typedef struct linear_data

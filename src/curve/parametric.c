@@ -50,16 +50,8 @@ void rows_split(const double *rows, size_t count, size_t point_dim, size_t chann
 
 double parametric_increment(bat_curve_parameters parameters, double length)
 {
-    switch (parameters)
-    {
-    case BAT_CURVE_PARAMETERS_CENTRIPETAL:
-        return sqrt(length);
-    case BAT_CURVE_PARAMETERS_CHORDAL:
-        return length;
-    case BAT_CURVE_PARAMETERS_UNIFORM:
-    default:
-        return 1;
-    }
+    bool centripetal = parameters == BAT_CURVE_PARAMETERS_CENTRIPETAL;
+    return centripetal ? sqrt(length) : parameters == BAT_CURVE_PARAMETERS_CHORDAL ? length : 1;
 }
 
 /// The parameters of the end point and the points before it, from 0 on; `knots` receives `degree` + 1 of them.

@@ -1,6 +1,7 @@
 #include "curve/point_form.h"
 
-#include <math.h>
+#include "linalg/vector.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -227,7 +228,7 @@ static const char *unknown_column(const point_form *form, const column_names *co
     return NULL;
 }
 
-/// The conformal factor 2 / (1 - |p|^2) of the disk, from velocities in its coordinates to tangent vectors.
+/// The first column whose name is there twice, or null.
 static const char *repeated_column(const column_names *columns)
 {
     for (size_t i = 1; i < columns->count; i++)
@@ -326,18 +327,12 @@ const char *point_form_read(const point_form *form, const double *numbers, bool 
     const double *from = numbers + before;
     double *to = point + before;
     memcpy(point, numbers, before * sizeof *point);
-    switch (form->rotation)
-    {
-    case ROTATION_QUATERNION:
+    if (form->rotation == ROTATION_QUATERNION)
         return read_quaternion(from, project, to);
-    case ROTATION_MATRIX:
+    if (form->rotation == ROTATION_MATRIX)
         return read_matrix(from, project, to);
-    case ROTATION_VECTOR:
-        return bat_rotation_from_vector(from, to, NULL) == BAT_OK ? NULL : "the rotation vector is too long";
-    case ROTATION_NONE:
-        break;
-    }
-    return NULL;
+    bool too_long = form->rotation == ROTATION_VECTOR && bat_rotation_from_vector(from, to, NULL) != BAT_OK;
+    return too_long ? "the rotation vector is too long" : NULL;
 }
 
 void point_form_write(const point_form *form, const double *point, double *numbers)
@@ -346,20 +341,12 @@ void point_form_write(const point_form *form, const double *point, double *numbe
     const double *from = point + before;
     double *to = numbers + before;
     memcpy(numbers, point, before * sizeof *point);
-    switch (form->rotation)
-    {
-    case ROTATION_QUATERNION:
+    if (form->rotation == ROTATION_QUATERNION)
         memcpy(to, from, 4 * sizeof *to);
-        break;
-    case ROTATION_MATRIX:
+    else if (form->rotation == ROTATION_MATRIX)
         bat_rotation_to_matrix(from, to);
-        break;
-    case ROTATION_VECTOR:
+    else if (form->rotation == ROTATION_VECTOR)
         bat_rotation_to_vector(from, to);
-        break;
-    case ROTATION_NONE:
-        break;
-    }
 }
 
 /// The factor of velocities in the disk: at the centre the metric is 4 times the Euclidean one.
@@ -408,9 +395,7 @@ size_t quaternion_place(const bat_space *space)
 
 void quaternion_continue(const double *before, double *quaternion)
 {
-    double product = 0;
-    for (int i = 0; i < 4; i++)
-        product += before[i] * quaternion[i];
+    double product = vector_dot(4, before, quaternion);
     for (int i = 0; i < 4 && product < 0; i++)
         quaternion[i] = 0 - quaternion[i]; // avoids -0
 }

@@ -107,21 +107,14 @@ static bat_status point_beyond(const bat_space *space, polygon_end rule, const d
                                size_t distance, double *image)
 {
     static const double EVEN[CUBIC_DEGREE + 1] = {0, 1, 2, 3};
-    switch (rule)
-    {
-    case POLYGON_END_LINE:
+    if (rule == POLYGON_END_LINE)
         return polygon_value_beyond(space, end, step, EVEN, 1, (double)distance, image);
-    case POLYGON_END_CUBIC:
+    if (rule == POLYGON_END_CUBIC)
         return polygon_value_beyond(space, end, step, EVEN, count > CUBIC_DEGREE ? CUBIC_DEGREE : count - 1,
                                     (double)distance, image);
-    case POLYGON_END_MIRROR:
-        if (count > 2)
-            return mirror(space, end, end + step, end + (ptrdiff_t)(distance + 1) * step, image);
-        return reflect(space, end, end + (ptrdiff_t)distance * step, image);
-    case POLYGON_END_REFLECT:
-    default:
-        return reflect(space, end, end + (ptrdiff_t)distance * step, image);
-    }
+    if (rule == POLYGON_END_MIRROR && count > 2)
+        return mirror(space, end, end + step, end + (ptrdiff_t)(distance + 1) * step, image);
+    return reflect(space, end, end + (ptrdiff_t)distance * step, image);
 }
 
 static void wrap(double *points, size_t count, size_t dim, size_t before, size_t after)

@@ -250,15 +250,9 @@ static inline __attribute__((always_inline)) finding search(const nearest_tree *
 
 static finding search_unscaled(const nearest_tree *tree, const double *point)
 {
-    switch (tree->dim)
-    {
-    case 2:
+    if (tree->dim == 2)
         return search(tree, point, 2, 1);
-    case 3:
-        return search(tree, point, 3, 1);
-    default:
-        return search(tree, point, tree->dim, 1);
-    }
+    return tree->dim == 3 ? search(tree, point, 3, 1) : search(tree, point, tree->dim, 1);
 }
 
 /// Where the squares leave the range.

@@ -627,26 +627,18 @@ const bat_family bat_surface_doubt_family = FAMILY("doubt of a surface", DOUBTS)
 
 static void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
 {
-    switch (verdict->fault)
-    {
-    case BAT_SURFACE_FAULT_NONE:
+    if (verdict->fault == BAT_SURFACE_FAULT_NONE)
         (void)snprintf(text, size, "it agrees with the points");
-        return;
-    case BAT_SURFACE_FAULT_MISSES_POINTS:
+    else if (verdict->fault == BAT_SURFACE_FAULT_MISSES_POINTS)
         (void)snprintf(text, size, "one in a hundred points is farther from it than %.3g", verdict->distance_from_surface);
-        return;
-    case BAT_SURFACE_FAULT_LEAVES_POINTS:
+    else if (verdict->fault == BAT_SURFACE_FAULT_LEAVES_POINTS)
         (void)snprintf(text, size, "it is up to %.3g from the points, near %.4g %.4g %.4g, and %.2g %% of it is far",
                        verdict->farthest, verdict->place[0], verdict->place[1], verdict->place[2], 100 * verdict->far_share);
-        return;
-    case BAT_SURFACE_FAULT_FOLDS:
+    else if (verdict->fault == BAT_SURFACE_FAULT_FOLDS)
         (void)snprintf(text, size, "%.2g %% of it stands across the points' tangent planes or is turned over",
                        100 * verdict->cross_share);
-        return;
-    case BAT_SURFACE_FAULT_AREA:
+    else
         (void)snprintf(text, size, "its area is %.2f times that of the points", verdict->area / verdict->cloud_area);
-        return;
-    }
 }
 
 bat_status bat_surface_verdict_check(const bat_surface_verdict *verdict, bat_error *error)

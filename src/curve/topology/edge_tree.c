@@ -296,18 +296,10 @@ static inline unsigned join_edges(const edge_tree *tree, size_t index, surface_k
 static void make_leaf(edge_tree *tree, size_t index)
 {
     edge_node *node = &tree->nodes[index];
-    switch (tree->kind)
-    {
-    case SURFACE_SPHERE:
-        node->directions = join_edges(tree, index, SURFACE_SPHERE, &node->box);
-        break;
-    case SURFACE_DISK:
-        node->directions = join_edges(tree, index, SURFACE_DISK, &node->box);
-        break;
-    case SURFACE_PLANE:
-        node->directions = join_edges(tree, index, SURFACE_PLANE, &node->box);
-        break;
-    }
+    // Inlined for each kind.
+    node->directions = tree->kind == SURFACE_SPHERE ? join_edges(tree, index, SURFACE_SPHERE, &node->box)
+                       : tree->kind == SURFACE_DISK ? join_edges(tree, index, SURFACE_DISK, &node->box)
+                                                    : join_edges(tree, index, SURFACE_PLANE, &node->box);
 }
 
 /// A node of a level from its one or two children.

@@ -164,16 +164,9 @@ static int orientation_disk(const double *a, const double *b, const double *c)
 
 int predicate_orientation(surface_kind kind, const double *a, const double *b, const double *c)
 {
-    switch (kind)
-    {
-    case SURFACE_SPHERE:
-        return orientation_sphere(a, b, c);
-    case SURFACE_DISK:
-        return orientation_disk(a, b, c);
-    case SURFACE_PLANE:
-    default:
-        return orientation_plane(a, b, c);
-    }
+    return kind == SURFACE_SPHERE ? orientation_sphere(a, b, c)
+           : kind == SURFACE_DISK ? orientation_disk(a, b, c)
+                                  : orientation_plane(a, b, c);
 }
 
 /// The sign of a_k w(b) - b_k w(a), w = 1 + x^2 + y^2: how Klein's coordinate k changes from b to a.

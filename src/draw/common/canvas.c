@@ -172,19 +172,15 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
 {
     *canvas = (draw_canvas){.format = format, .pixels_per_point = format == CANVAS_PNG ? pixels_per_point : 1.0};
     double scale = canvas->pixels_per_point;
-    switch (format)
-    {
-    case CANVAS_PNG:
+    if (format == CANVAS_PNG)
         canvas->surface =
             cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)lround(width * scale), (int)lround(height * scale));
-        break;
-    case CANVAS_SVG:
+    else if (format == CANVAS_SVG)
         canvas->surface = cairo_svg_surface_create_for_stream(append_bytes, &canvas->bytes, width, height);
-        break;
-    case CANVAS_PDF:
+    else
+    {
         canvas->surface = cairo_pdf_surface_create_for_stream(append_bytes, &canvas->bytes, width, height);
         cairo_pdf_surface_set_metadata(canvas->surface, CAIRO_PDF_METADATA_CREATE_DATE, "");
-        break;
     }
     canvas->cairo = cairo_create(canvas->surface);
     cairo_status_t status = cairo_status(canvas->cairo);

@@ -68,21 +68,17 @@ double panel_height(const scene_panel *panel, const bat_curve_picture_options *o
     insets map = map_insets(options);
     const map_choice *shown = &panel->frame.map;
     const double earth = EQUAL_EARTH_HALF_WIDTH / EQUAL_EARTH_HALF_HEIGHT;
-    switch (shown->projection)
-    {
-    case BAT_CURVE_PROJECTION_LOCAL:
+    if (shown->projection == BAT_CURVE_PROJECTION_LOCAL)
         return height_around(grid_local_room(&panel->frame, options->grid), width,
                              (shown->high[1] - shown->low[1]) / (shown->high[0] - shown->low[0]));
-    case BAT_CURVE_PROJECTION_MAP:
+    if (shown->projection == BAT_CURVE_PROJECTION_MAP)
         return height_around(map, width, 1.0 / earth);
-    case BAT_CURVE_PROJECTION_BOTH:
-        // width = (h - globe.top - globe.bottom + globe.left + globe.right) + BETWEEN + earth (h - map.top - map.bottom) + …
-        return (width - BETWEEN + globe.top + globe.bottom - globe.left - globe.right + earth * (map.top + map.bottom) -
-                map.left - map.right) /
-               (1.0 + earth);
-    default:
+    if (shown->projection != BAT_CURVE_PROJECTION_BOTH)
         return height_around(globe, width, 1.0);
-    }
+    // width = (h - globe.top - globe.bottom + globe.left + globe.right) + BETWEEN + earth (h - map.top - map.bottom) + …
+    return (width - BETWEEN + globe.top + globe.bottom - globe.left - globe.right + earth * (map.top + map.bottom) -
+            map.left - map.right) /
+           (1.0 + earth);
 }
 
 /// Scale and centre the range from (low_u, low_v) to (high_u, high_v) in a box without its margins.
@@ -110,15 +106,11 @@ static draw_view make_view(const scene_panel *panel, view_kind kind)
 /// The style of a layer, other than on maps.
 static line_style plain_line(const bat_curve_picture_panel *panel, size_t index)
 {
-    switch (panel->layers[index].role)
-    {
-    case BAT_CURVE_LAYER_ROLE_CONTROL:
+    if (panel->layers[index].role == BAT_CURVE_LAYER_ROLE_CONTROL)
         return (line_style){COLOUR_CONTROL, LINE_CONTROL, 3.0, 2.2};
-    case BAT_CURVE_LAYER_ROLE_TRUTH:
+    if (panel->layers[index].role == BAT_CURVE_LAYER_ROLE_TRUTH)
         return (line_style){COLOUR_TRUTH, LINE_TRUTH, 4.0, 2.2};
-    default:
-        return style_curve(scene_colour(panel, index));
-    }
+    return style_curve(scene_colour(panel, index));
 }
 
 /// The style of a layer. The layers of a proxy have their own.
@@ -357,17 +349,13 @@ static bat_status draw_local(cairo_t *cairo, const scene_panel *panel, const bat
 static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                               const double box[4], bat_error *error)
 {
-    switch (panel->frame.map.projection)
-    {
-    case BAT_CURVE_PROJECTION_LOCAL:
+    bat_curve_projection shown = panel->frame.map.projection;
+    if (shown == BAT_CURVE_PROJECTION_LOCAL)
         return draw_local(cairo, panel, options, box, error);
-    case BAT_CURVE_PROJECTION_MAP:
+    if (shown == BAT_CURVE_PROJECTION_MAP)
         return draw_map(cairo, panel, options, box, error);
-    case BAT_CURVE_PROJECTION_BOTH:
-        break;
-    default:
+    if (shown != BAT_CURVE_PROJECTION_BOTH)
         return draw_globe(cairo, panel, options, box, error);
-    }
     double share = fmin(globe_share(options, box[3]), 0.4 * box[2]);
     double left[4] = {box[0], box[1], share, box[3]};
     double right[4] = {box[0] + share + BETWEEN, box[1], box[2] - share - BETWEEN, box[3]};
@@ -387,15 +375,11 @@ static bat_status draw_tensors(cairo_t *cairo, const scene_panel *panel, const d
 bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                       const double box[4], bat_error *error)
 {
-    switch (panel->space)
-    {
-    case VIEW_SPHERE:
+    if (panel->space == VIEW_SPHERE)
         return draw_sphere(cairo, panel, options, box, error);
-    case VIEW_DISK:
+    if (panel->space == VIEW_DISK)
         return draw_disk(cairo, panel, options, box, error);
-    case VIEW_TENSOR:
+    if (panel->space == VIEW_TENSOR)
         return draw_tensors(cairo, panel, box, error);
-    default:
-        return draw_flat(cairo, panel, options, box, error);
-    }
+    return draw_flat(cairo, panel, options, box, error);
 }

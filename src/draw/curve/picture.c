@@ -87,15 +87,11 @@ static double natural_width(const scene *made)
         wide = wide || (sphere && (shown == BAT_CURVE_PROJECTION_MAP || shown == BAT_CURVE_PROJECTION_BOTH));
         local = local || (sphere && shown == BAT_CURVE_PROJECTION_LOCAL);
     }
-    switch (made->columns)
-    {
-    case 1:
+    if (made->columns == 1)
         return wide ? 640.0 : local ? 480.0 : 400.0;
-    case 2:
+    if (made->columns == 2)
         return wide ? 960.0 : local ? 800.0 : 620.0;
-    default:
-        return wide ? 1200.0 : fmin(840.0 + 130.0 * fmax(0.0, (double)made->columns - 5.0), 4000.0);
-    }
+    return wide ? 1200.0 : fmin(840.0 + 130.0 * fmax(0.0, (double)made->columns - 5.0), 4000.0);
 }
 
 bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_panel *panels, size_t count,

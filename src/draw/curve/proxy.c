@@ -137,15 +137,11 @@ static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *
 
 static draw_colour layer_colour(const bat_curve_picture_panel *panel, size_t index)
 {
-    switch (panel->layers[index].role)
-    {
-    case BAT_CURVE_LAYER_ROLE_CONTROL:
+    if (panel->layers[index].role == BAT_CURVE_LAYER_ROLE_CONTROL)
         return COLOUR_CONTROL;
-    case BAT_CURVE_LAYER_ROLE_TRUTH:
+    if (panel->layers[index].role == BAT_CURVE_LAYER_ROLE_TRUTH)
         return COLOUR_TRUTH;
-    default:
-        return style_palette(scene_colour(panel, index));
-    }
+    return style_palette(scene_colour(panel, index));
 }
 
 static bat_status add_rotations(proxy *made, const bat_curve_picture_panel *panel, const bat_curve_picture_options *options,

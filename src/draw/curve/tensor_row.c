@@ -117,15 +117,11 @@ static void outline_of(const ellipsoid *drawn, double root[3])
 /// The colour of a tensor: paler along the curve.
 static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, double share)
 {
-    switch (panel->layers[layer].role)
-    {
-    case BAT_CURVE_LAYER_ROLE_CONTROL:
+    if (panel->layers[layer].role == BAT_CURVE_LAYER_ROLE_CONTROL)
         return style_mix(COLOUR_CONTROL, COLOUR_BACKGROUND, 0.75);
-    case BAT_CURVE_LAYER_ROLE_TRUTH:
+    if (panel->layers[layer].role == BAT_CURVE_LAYER_ROLE_TRUTH)
         return COLOUR_TRUTH;
-    default:
-        return style_mix(style_palette(scene_colour(panel, layer)), (draw_colour){0.99, 0.90, 0.62}, 0.95 - 0.65 * share);
-    }
+    return style_mix(style_palette(scene_colour(panel, layer)), (draw_colour){0.99, 0.90, 0.62}, 0.95 - 0.65 * share);
 }
 
 /// Fill the outline around (x, y), lit from the upper left.

@@ -149,17 +149,11 @@ typedef struct surface_scene
 
 static bool row_has(const bat_surface_picture_row *row, surface_panel_kind kind)
 {
-    switch (kind)
-    {
-    case SURFACE_PANEL_CLOUD:
+    if (kind == SURFACE_PANEL_CLOUD)
         return row->cloud != NULL;
-    case SURFACE_PANEL_PATCH:
-        return row->surface != NULL;
-    case SURFACE_PANEL_ERRORS:
+    if (kind == SURFACE_PANEL_ERRORS)
         return row->distances != NULL;
-    default:
-        return row->parameters != NULL || row->surface != NULL;
-    }
+    return row->surface != NULL || (kind != SURFACE_PANEL_PATCH && row->parameters != NULL);
 }
 
 static void describe_cloud(const bat_cloud *cloud, char *caption)

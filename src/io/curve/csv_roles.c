@@ -209,19 +209,13 @@ static bool cell_fits(csv_reader *reader, size_t column)
 {
     column_state *state = &reader->columns[column];
     csv_field field = reader->fields[column];
-    switch (state->kind)
-    {
-    case CSV_ID:
+    if (state->kind == CSV_ID)
         return is_next_id(reader, field);
-    case CSV_TIME:
+    if (state->kind == CSV_TIME)
         return csv_is_missing(field) || is_iso_time(field);
-    case CSV_GAPS:
+    if (state->kind == CSV_GAPS)
         return csv_is_missing(field) || reads_as_number(reader, field);
-    case CSV_EMPTY:
-        return csv_is_missing(field);
-    default:
-        return csv_field_fault(field) == NULL;
-    }
+    return state->kind == CSV_EMPTY ? csv_is_missing(field) : csv_field_fault(field) == NULL;
 }
 
 void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column)

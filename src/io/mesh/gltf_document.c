@@ -175,20 +175,13 @@ static bat_status check_version(const json_t *root, bat_error *error)
 bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *error)
 {
     *document = (gltf_document){.text = text, .total_size = text->size};
-    const char *json = NULL;
-    size_t size = 0;
     bool binary = mesh_glb_resembles(text);
+    const char *json = binary ? NULL : text->data;
+    size_t size = text->size;
     json_scanner begin = {text->data, text->data + text->size};
     if (!binary && !json_scan_at(&begin, '{'))
         return ERROR_FILE(error, 0, "the file begins neither as GLB, with 'glTF', nor as JSON");
-    bat_status status = BAT_OK;
-    if (binary)
-        status = read_chunks(text, document, &json, &size, error);
-    else
-    {
-        json = text->data;
-        size = text->size;
-    }
+    bat_status status = binary ? read_chunks(text, document, &json, &size, error) : BAT_OK;
     if (status == BAT_OK)
         status = json_parse(json, size, 0, 1, &document->root, error);
     if (status != BAT_OK)
@@ -408,42 +401,20 @@ typedef struct accessor
 
 static size_t size_of_type(size_t type)
 {
-    switch (type)
-    {
-    case GLTF_INT8:
-    case GLTF_UINT8:
-        return 1;
-    case GLTF_INT16:
-    case GLTF_UINT16:
-        return 2;
-    case GLTF_UINT32:
-    case GLTF_FLOAT:
-        return 4;
-    default:
-        return 0;
-    }
+    static const size_t SIZES[] = {1, 1, 2, 2, 0, 4, 4}; // from GLTF_INT8 on; there is no type 5124
+    return type >= GLTF_INT8 && type <= GLTF_FLOAT ? SIZES[type - GLTF_INT8] : 0;
 }
 
 /// The number at some bytes, which are little-endian.
 static double number_at(const unsigned char *bytes, number_form form)
 {
     const uint32_t bits = (uint32_t)bytes_whole(bytes, form.size, false);
-    switch (form.type)
-    {
-    case GLTF_INT8:
-        return form.normalized ? fmax((int8_t)bits / (double)INT8_MAX, -1) : (int8_t)bits;
-    case GLTF_INT16:
-        return form.normalized ? fmax((int16_t)bits / (double)INT16_MAX, -1) : (int16_t)bits;
-    case GLTF_UINT8:
-        return form.normalized ? bits / (double)UINT8_MAX : bits;
-    case GLTF_UINT16:
-        return form.normalized ? bits / (double)UINT16_MAX : bits;
-    case GLTF_FLOAT:
+    if (form.type == GLTF_FLOAT)
         return bytes_real(bytes, sizeof(float), false);
-    case GLTF_UINT32:
-        break;
-    }
-    return bits;
+    bool has_sign = form.type == GLTF_INT8 || form.type == GLTF_INT16;
+    double value = !has_sign ? (double)bits : form.size == 1 ? (int8_t)bits : (int16_t)bits;
+    double greatest = ldexp(1, (int)(8 * form.size) - has_sign) - 1;
+    return form.normalized ? fmax(value / greatest, -1) : value;
 }
 
 static bat_status read_form(const json_t *object, gltf_place place, number_form *form, bat_error *error)

@@ -250,21 +250,14 @@ static bool has_byte_colours(const gltf_writer *writer)
 /// The bytes of a written vertex in a part.
 static size_t width_of(const gltf_writer *writer, gltf_part part)
 {
-    switch (part)
-    {
-    case PART_POSITIONS:
-        return (size_t)AXES * WORD;
-    case PART_NORMALS:
-        return writer->options->vertex_normals != NULL ? (size_t)AXES * WORD : 0;
-    case PART_TANGENTS:
-        return writer->tangents != NULL ? 4 * (size_t)WORD : 0;
-    case PART_TEXTURE:
-        return writer->mesh->texture_faces != NULL ? 2 * (size_t)WORD : 0;
-    case PART_COLOURS:
-        return writer->colours == 0 ? 0 : writer->byte_colours ? WORD : writer->colours * WORD;
-    default:
-        return 0;
-    }
+    const size_t widths[PART_COUNT] = {
+        [PART_POSITIONS] = AXES * WORD,
+        [PART_NORMALS] = writer->options->vertex_normals != NULL ? AXES * WORD : 0,
+        [PART_TANGENTS] = writer->tangents != NULL ? 4 * WORD : 0,
+        [PART_TEXTURE] = writer->mesh->texture_faces != NULL ? 2 * WORD : 0,
+        [PART_COLOURS] = writer->byte_colours ? WORD : writer->colours * WORD,
+    };
+    return widths[part];
 }
 
 static char *put_vertex(const gltf_writer *writer, gltf_part part, size_t i, char *out)
@@ -273,35 +266,24 @@ static char *put_vertex(const gltf_writer *writer, gltf_part part, size_t i, cha
     const double *normal = part == PART_NORMALS ? writer->options->vertex_normals + 3 * (size_t)writer->origins[i] : NULL;
     bool undefined = normal != NULL && normal[0] == 0 && normal[1] == 0 && normal[2] == 0;
     uint32_t bytes = 0;
-    switch (part)
+    for (size_t k = 0; k < AXES && part == PART_POSITIONS; k++)
+        out = bytes_put_float(out, (double)coordinate(writer, i, k));
+    for (size_t k = 0; k < AXES && part == PART_NORMALS; k++)
+        out = bytes_put_float(out, undefined ? k == 2 : normal[k]);
+    for (size_t k = 0; k < 4 && part == PART_TANGENTS; k++)
+        out = bytes_put_float(out, writer->tangents[4 * (size_t)writer->sources[i] + k]);
+    for (size_t k = 0; k < 2 && part == PART_TEXTURE; k++)
     {
-    case PART_POSITIONS:
-        for (size_t k = 0; k < AXES; k++)
-            out = bytes_put_float(out, (double)coordinate(writer, i, k));
-        break;
-    case PART_NORMALS:
-        for (size_t k = 0; k < AXES; k++)
-            out = bytes_put_float(out, undefined ? k == 2 : normal[k]);
-        break;
-    case PART_TANGENTS:
-        for (size_t k = 0; k < 4; k++)
-            out = bytes_put_float(out, writer->tangents[4 * (size_t)writer->sources[i] + k]);
-        break;
-    case PART_TEXTURE:
-        out = bytes_put_float(out, mesh->texture[2 * (size_t)writer->textures[i]]);
-        out = bytes_put_float(out, 1 - mesh->texture[2 * (size_t)writer->textures[i] + 1]);
-        break;
-    case PART_COLOURS:
-        for (size_t k = 0; k < writer->colours && writer->byte_colours; k++)
-            bytes |= (uint32_t)round(colour(writer, i, k) * UINT8_MAX) << 8 * k;
-        for (size_t k = 0; k < writer->colours && !writer->byte_colours; k++)
-            out = bytes_put_float(out, colour(writer, i, k));
-        if (writer->byte_colours)
-            out = bytes_put(out, bytes, WORD, false);
-        break;
-    default:
-        break;
+        double texture = mesh->texture[2 * (size_t)writer->textures[i] + k];
+        out = bytes_put_float(out, k == 0 ? texture : 1 - texture);
     }
+    for (size_t k = 0; k < writer->colours && part == PART_COLOURS; k++)
+        if (writer->byte_colours)
+            bytes |= (uint32_t)round(colour(writer, i, k) * UINT8_MAX) << 8 * k;
+        else
+            out = bytes_put_float(out, colour(writer, i, k));
+    if (part == PART_COLOURS && writer->byte_colours)
+        out = bytes_put(out, bytes, WORD, false);
     return out;
 }
 

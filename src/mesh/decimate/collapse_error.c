@@ -278,23 +278,20 @@ static void add_constraint(constraints *all, const double *row, double right, do
     if (!(square > smallest * smallest))
         return;
     double normal[3] = {0}, along;
-    switch (all->count)
+    if (all->count > 2)
+        return;
+    if (all->count == 1)
     {
-    case 0:
-        break;
-    case 1:
         along = vector3_dot(all->row[0], row);
         if (along * along > square * SQUARED_COSINE)
             return;
-        break;
-    case 2:
+    }
+    if (all->count == 2)
+    {
         vector3_cross(all->row[0], all->row[1], normal);
         along = vector3_dot(normal, row);
         if (along * along <= vector3_dot(normal, normal) * square * SQUARED_SINE)
             return;
-        break;
-    default:
-        return;
     }
     double scale = 1 / sqrt(square);
     for (int c = 0; c < 3; c++)
