@@ -84,9 +84,7 @@ bool json_scan_value(json_scanner *scan)
 
 bool json_scan_element(json_scanner *scan, size_t index)
 {
-    if (json_scan_take(scan, ']'))
-        return false;
-    return index == 0 || json_scan_take(scan, ',');
+    return !json_scan_take(scan, ']') && (index == 0 || json_scan_take(scan, ','));
 }
 
 static bool skip_digits(json_scanner *scan)

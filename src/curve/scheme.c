@@ -258,9 +258,8 @@ size_t scheme_decided_levels(const bat_curve_scheme *scheme)
 
 bool scheme_needs_whole_polygons(const bat_curve_scheme *scheme)
 {
-    if (scheme->kind != BAT_CURVE_SCHEME_KIND_ANGLE)
-        return false;
-    return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
+    return scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE &&
+           (scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive);
 }
 
 bat_curve_scheme scheme_in_space(const bat_curve_scheme *scheme, const bat_space *space)

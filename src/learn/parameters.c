@@ -33,11 +33,14 @@ bat_status learn_parameters_allocate(learn_parameters *set, bat_error *error)
         else
             memset(set->values, 0, set->total * sizeof *set->values);
     }
-    if (set->status == BAT_NO_MEMORY)
-        return error_memory(error, set->total * sizeof *set->values);
-    if (set->status != BAT_OK)
-        return error_set(error, set->status, BAT_NO_INDEX, 0, "the parameters are too many or a name is too long");
-    return BAT_OK;
+    bat_status status = set->status;
+    if (status == BAT_NO_MEMORY)
+        (void)error_memory(error, set->total * sizeof *set->values);
+    else if (status != BAT_OK)
+        (void)error_set(error, status, BAT_NO_INDEX, 0, "the parameters are too many or a name is too long");
+    if (status != BAT_OK)
+        learn_parameters_free(set);
+    return status;
 }
 
 void learn_parameters_free(learn_parameters *set)

@@ -32,7 +32,7 @@ typedef struct learn_parameters
 /// @param rows 0 for a vector
 /// @param name distinct from the others
 size_t learn_parameters_add(learn_parameters *set, size_t rows, size_t columns, const char *name);
-/// Allocate the block, all zero.
+/// Allocate the block, all zero. After a failure the set is empty.
 /// @return BAT_OK, BAT_NO_MEMORY, or BAT_TOO_LARGE when the numbers cannot be counted or a name is too long
 bat_status learn_parameters_allocate(learn_parameters *set, bat_error *error);
 void learn_parameters_free(learn_parameters *set);

@@ -83,9 +83,7 @@ static bat_status parse_entry(const char *name, const json_t *value, size_t data
     bat_status status = parse_type(json_object_get(value, "dtype"), &entry->array, error);
     if (status == BAT_OK)
         status = parse_shape(json_object_get(value, "shape"), &entry->array, error);
-    if (status == BAT_OK)
-        status = parse_place(json_object_get(value, "data_offsets"), data_size, entry, error);
-    return status;
+    return status == BAT_OK ? parse_place(json_object_get(value, "data_offsets"), data_size, entry, error) : status;
 }
 
 DEFINE_ORDER(compare_places, header_entry, begin, end)

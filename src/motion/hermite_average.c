@@ -111,9 +111,7 @@ static bat_status cubic_ends(const bat_space *space, const double *p0, const dou
         status = bat_space_geodesic(space, control[0], control[1], weight, first[1]);
     if (status == BAT_OK)
         status = bat_space_geodesic(space, first[0], first[1], weight, before);
-    if (status == BAT_OK)
-        status = bat_space_geodesic(space, first[1], first[2], weight, after);
-    return status;
+    return status == BAT_OK ? bat_space_geodesic(space, first[1], first[2], weight, after) : status;
 }
 
 /// The point at share `weight` of the geodesic from a to b, and the unit velocity there: the way on to b, or back to a where

@@ -836,8 +836,7 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_cu
     bat_motion_curves_options defaults = bat_motion_curves_defaults();
     result_columns columns;
     bat_curve_set made;
-    if (options == NULL)
-        options = &defaults;
+    options = options != NULL ? options : &defaults;
     motion_channels channels = channels_of(keyframes);
     bat_status status = bat_options_check(&bat_motion_curves_fields, options, error);
     if (status == BAT_OK)

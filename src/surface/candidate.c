@@ -34,12 +34,6 @@ void surface_candidate_free(surface_candidate *candidate)
     *candidate = (surface_candidate){0};
 }
 
-/// Whether a failure ends the whole reconstruction: out of memory, or cancelled.
-static bool is_fatal(bat_status status)
-{
-    return status == BAT_NO_MEMORY || status == BAT_CANCELLED;
-}
-
 /// Doubt a right surface over a point that is far beyond all others: least squares bend towards it.
 static void doubt_strays(const bat_cloud *cloud, const double *distances, bat_surface_verdict *verdict)
 {
@@ -59,7 +53,7 @@ static bat_status record_failure(bat_status status, const bat_error *failure, su
 {
     if (status == BAT_OK)
         return BAT_OK;
-    if (is_fatal(status))
+    if (status == BAT_NO_MEMORY || status == BAT_CANCELLED) // ends the whole reconstruction
         return error_set(error, status, failure->index, failure->line, "%s", failure->text);
     candidate->report.failure = *failure;
     candidate->report.mean_squared = NAN;

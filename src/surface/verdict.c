@@ -447,9 +447,7 @@ static bat_status triangle_strays(const cloud_geometry *geometry, double area, i
         status = bat_mesh_closest(&mesh, places, samples->count, threads, closest, error);
     for (size_t s = 0; s < samples->count && status == BAT_OK; s++)
         samples->distances[s] = closest[s].distance;
-    if (status == BAT_OK)
-        status = quantile_of(samples, samples->distances, area, strays, error);
-    return status;
+    return status == BAT_OK ? quantile_of(samples, samples->distances, area, strays, error) : status;
 }
 
 /// @param strays    whether a place of the surface is too far, or too much of it is far from the triangles

@@ -27,13 +27,6 @@ static bool note_new(void *context, edge_place first, edge_place second)
     return true;
 }
 
-/// Mark the edges that meet and did not.
-static bat_status search_met(smooth_job *job, const chart_curves *charts, bat_error *error)
-{
-    return edge_pairs_find(charts->curves, charts->count, job->chart->turn, EDGE_PAIRS_ARCS, job->options->threads, note_new,
-                           job, error);
-}
-
 /// Mark the edges that pass over the anchor of another part on their way from the given ones.
 static void search_passed(smooth_job *job, const chart_curves *given, const chart_curves *now, const anchor_grid *anchors)
 {
@@ -73,7 +66,8 @@ static bat_status keep_apart(smooth_job *job, bat_error *error)
         if (status == BAT_OK)
             status = arc_anchors_make(graph, job->chart, &now, &anchors[1], error);
         if (status == BAT_OK)
-            status = search_met(job, &now, error);
+            status =
+                edge_pairs_find(now.curves, now.count, job->chart->turn, EDGE_PAIRS_ARCS, threads, note_new, job, error);
         for (int k = 0; k < 2 && status == BAT_OK; k++)
             search_passed(job, &given, &now, &anchors[k]);
         for (size_t a = 0; a < graph->arc_count && status == BAT_OK; a++)

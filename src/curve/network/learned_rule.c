@@ -44,8 +44,6 @@ bat_status learned_network_make(learn_parameters *parameters, bat_error *error)
     (void)learn_parameters_add(parameters, 1, LEARNED_CHANNELS, "output.first");
     (void)learn_parameters_add(parameters, 1, LEARNED_CHANNELS, "output.kept");
     bat_status status = learn_parameters_allocate(parameters, error);
-    if (status != BAT_OK)
-        learn_parameters_free(parameters);
     assert(status != BAT_OK || parameters->count == LEARNED_PARAMETERS);
     return status;
 }

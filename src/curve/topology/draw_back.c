@@ -1,8 +1,8 @@
 #include "curve/topology/draw_back.h"
 
 #include "base/bisect.h"
-#include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "base/threads.h"
 #include "curve/polygon.h"
 #include "linalg/vector.h"
@@ -351,10 +351,10 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
         if (job->crossings == 0)
             return BAT_OK;
         double fraction = 1 - 1 / ((double)round + 2);
-        if (progress.report != NULL && !progress.report(progress.context, fraction))
-            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+        bat_status status = progress_check(progress, fraction, error);
         edge_tree_settle(tree);
-        bat_status status = draw_all(job, tree, round, error);
+        if (status == BAT_OK)
+            status = draw_all(job, tree, round, error);
         if (status != BAT_OK)
             return status;
     }

@@ -101,26 +101,29 @@ void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame,
     plane_labels(cairo, view, &across, &upwards, box);
 }
 
-static void box_edge(cairo_t *cairo, const draw_view *view, const scene_frame *frame, unsigned from, unsigned to)
+/// Both ends of an edge on the page.
+static void edge_ends(const draw_view *view, const scene_frame *frame, unsigned from, unsigned to, double ends[4])
 {
-    double p[3], q[3], x, y;
+    double p[3], q[3];
     scene_corner(frame, from, p);
     scene_corner(frame, to, q);
-    view_place(view, p, &x, &y);
-    cairo_move_to(cairo, x, y);
-    view_place(view, q, &x, &y);
-    cairo_line_to(cairo, x, y);
+    view_place(view, p, &ends[0], &ends[1]);
+    view_place(view, q, &ends[2], &ends[3]);
+}
+
+static void box_edge(cairo_t *cairo, const draw_view *view, const scene_frame *frame, unsigned from, unsigned to)
+{
+    double ends[4];
+    edge_ends(view, frame, from, to, ends);
+    style_segment(cairo, ends[0], ends[1], ends[2], ends[3]);
 }
 
 static void axis_name(cairo_t *cairo, const draw_view *view, const scene_frame *frame, unsigned axis, unsigned from,
                       unsigned to)
 {
     static const char *const names[] = {"x", "y", "z"};
-    double p[3], q[3], ends[4];
-    scene_corner(frame, from, p);
-    scene_corner(frame, to, q);
-    view_place(view, p, &ends[0], &ends[1]);
-    view_place(view, q, &ends[2], &ends[3]);
+    double ends[4];
+    edge_ends(view, frame, from, to, ends);
     double dx = ends[2] - ends[0], dy = ends[3] - ends[1];
     double length = hypot(dx, dy);
     double away = axis == 2 ? -7.0 : 9.0; // z to the left of its edge; x and y below theirs

@@ -246,9 +246,7 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
         status = draw_combs(cairo, view, panel, error);
     if (status == BAT_OK)
         status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_TRUTH, side, error);
-    if (status == BAT_OK)
-        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CURVE, side, error);
-    return status;
+    return status == BAT_OK ? draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CURVE, side, error) : status;
 }
 
 static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene_panel *panel,

@@ -40,11 +40,6 @@ static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit
     return BAT_OK;
 }
 
-static double longest_axis(const ellipsoid *drawn)
-{
-    return vector3_length(drawn->axes[drawn->side - 1]); // eigenvalues are in increasing order
-}
-
 /// The number of tensors of a curve in a row with `columns` columns.
 static size_t shown_of(const bat_curve *curve, size_t columns)
 {
@@ -72,7 +67,8 @@ bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel 
             bat_status status = ellipsoid_of(curve, shown_index(curve, columns, k), near, &drawn, error);
             if (status != BAT_OK)
                 return status;
-            frame->tensor_unit = fmax(frame->tensor_unit, near * longest_axis(&drawn));
+            // Eigenvalues are in increasing order.
+            frame->tensor_unit = fmax(frame->tensor_unit, near * vector3_length(drawn.axes[drawn.side - 1]));
         }
     }
     frame->low[0] = -1.05;

@@ -130,9 +130,9 @@ static bat_status sample(const film *shown, film_track *track, size_t parts, bat
         bat_motion_spline_sample(track->spline, track->times, track->count, track->points, track->velocities, NULL, error);
     if (status == BAT_OK)
         status = find_speeds(shown, track->points, track->velocities, track->count, track->speeds, track->turns, error);
-    if (status == BAT_OK)
-        status = find_speeds(shown, keys.points, keys.velocities, keys.count, track->key_speeds, track->key_turns, error);
-    return status;
+    return status == BAT_OK
+               ? find_speeds(shown, keys.points, keys.velocities, keys.count, track->key_speeds, track->key_turns, error)
+               : status;
 }
 
 static bat_status make_track(film *made, size_t index, bat_motion_spline *given, const bat_motion_curves_options *motion,

@@ -240,14 +240,13 @@ typedef struct box_edge
     double away_x, away_y; ///< the direction of the labels on the page
 } box_edge;
 
-static tick_list edge_ticks(const placing *at, const box_edge *edge, tick_scale *common)
+static tick_list edge_ticks(const placing *at, const box_edge *edge)
 {
     const path_view *view = at->view;
     double low = view->low[edge->axis] + view->centre[edge->axis], high = view->high[edge->axis] + view->centre[edge->axis];
     double length = at->scale * (high - low) * hypot(view->rows[0][edge->axis], view->rows[1][edge->axis]);
     tick_list ticks = ticks_linear(low, high, length / 34.0);
-    *common = ticks_scale(low, high);
-    ticks_use_scale(&ticks, *common);
+    ticks_use_scale(&ticks, ticks_scale(low, high));
     return ticks;
 }
 
@@ -255,8 +254,7 @@ static void draw_edge(cairo_t *cairo, const film *shown, const placing *at, cons
 {
     static const char *const names[] = {"x", "y", "z"};
     const path_view *view = at->view;
-    tick_scale common;
-    tick_list ticks = edge_ticks(at, edge, &common);
+    tick_list ticks = edge_ticks(at, edge);
     char text[128], scale[TICK_SCALE_SIZE];
     double p[3], x, y, widest = 0;
     memcpy(p, edge->at, sizeof p);
@@ -274,7 +272,7 @@ static void draw_edge(cairo_t *cairo, const film *shown, const placing *at, cons
         tick_draw(cairo, &ticks, i, x + 6 * edge->away_x, y + 9 * edge->away_y, align);
         widest = fmax(widest, tick_width(cairo, &ticks, i));
     }
-    tick_scale_text(common, scale);
+    tick_scale_text(ticks.scale, scale);
     bool unit = shown->length_unit[0] != '\0';
     (void)snprintf(text, sizeof text, "%s%s%.40s%s%s%s%s", names[edge->axis], unit ? " (" : "", shown->length_unit,
                    unit ? ")" : "", scale[0] != '\0' ? " (" : "", scale, scale[0] != '\0' ? ")" : "");
@@ -294,8 +292,7 @@ static void draw_floor(cairo_t *cairo, const placing *at, const box_edge *first,
     double x, y;
     for (int k = 0; k < 2; k++)
     {
-        tick_scale common;
-        tick_list ticks = edge_ticks(at, edges[k], &common);
+        tick_list ticks = edge_ticks(at, edges[k]);
         int along = edges[1 - k]->axis;
         for (size_t i = 0; i < ticks.count + 2; i++)
         {

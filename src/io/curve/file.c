@@ -239,8 +239,7 @@ static bat_status read_set(const char *path, const char *bytes, size_t size, con
                            bat_curve_set *set, bat_error *error)
 {
     bat_curve_read_options defaults = bat_curve_read_defaults();
-    if (options == NULL)
-        options = &defaults;
+    options = options != NULL ? options : &defaults;
     bat_status status = bat_options_check(&bat_curve_read_fields, options, error);
     bat_curve_format format = options->format;
     if (status == BAT_OK && path != NULL && format == BAT_CURVE_FORMAT_AUTO)

@@ -491,11 +491,7 @@ static bool is_better_start(const stitch_edges *edges, size_t a, size_t b)
     bool starts_p = begins_ring(edges, a), starts_q = begins_ring(edges, b);
     bool off_p = starts_p && !stitch_on_seam(&edges->seam, p->longitude);
     bool off_q = starts_q && !stitch_on_seam(&edges->seam, q->longitude);
-    if (off_p != off_q)
-        return off_p;
-    if (starts_p != starts_q)
-        return starts_p;
-    return a < b;
+    return off_p != off_q ? off_p : starts_p != starts_q ? starts_p : a < b;
 }
 
 static traced_ring trace(const stitch_edges *edges, size_t edge, bool *used)
@@ -535,11 +531,8 @@ static bool trace_all(polygon_job *job)
     bool *used = calloc(edges->count + 1, sizeof *used);
     bool done = used != NULL;
     for (size_t i = 0; i < edges->count && done; i++)
-    {
-        if (used[i] || edges->edges[i].gone)
-            continue;
-        done = ARRAY_ADD(job->rings, job->ring_capacity, job->ring_count, trace(edges, i, used));
-    }
+        if (!used[i] && !edges->edges[i].gone)
+            done = ARRAY_ADD(job->rings, job->ring_capacity, job->ring_count, trace(edges, i, used));
     free(used);
     for (size_t r = 0, before = BAT_NO_INDEX; r < edges->geometry->count && done; r++)
     {

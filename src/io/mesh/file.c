@@ -483,8 +483,7 @@ bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
     bat_mesh_format format;
     atomic_file file;
-    if (options == NULL)
-        options = &defaults;
+    options = options != NULL ? options : &defaults;
     bat_status status = bat_mesh_check(mesh, error);
     if (status == BAT_OK)
         status = format_for_path(path, true, options->format, &format, error);
@@ -505,8 +504,7 @@ bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_opti
                                  bat_error *error)
 {
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
-    if (options == NULL)
-        options = &defaults;
+    options = options != NULL ? options : &defaults;
     bat_status status = bat_mesh_check(mesh, error);
     if (status == BAT_OK)
         status = check_write(options->format, options, error);

@@ -487,10 +487,9 @@ static bat_status accessor_find(gltf_document *document, size_t index, const glt
     {
         gltf_view view;
         status = gltf_view_find(document, view_index, &view, error);
-        if (status == BAT_OK)
-            status = find_elements(&view, offset, found->count, found->components * form->size, found->place, &found->bytes,
-                                   &found->stride, error);
-        return status;
+        return status == BAT_OK ? find_elements(&view, offset, found->count, found->components * form->size, found->place,
+                                                &found->bytes, &found->stride, error)
+                                : status;
     }
     if (json_object_get(object, "sparse") == NULL)
         return gltf_fault(found->place, error, "it has no 'bufferView'");

@@ -299,7 +299,6 @@ bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *op
         status = text_lines_write(sink, 1, 1, format_header, &parts, error);
     if (status == BAT_OK)
         status = text_lines_write(sink, mesh->vertex_count, options->threads, format_vertex, &parts, error);
-    if (status == BAT_OK)
-        status = text_lines_write(sink, mesh->face_count, options->threads, format_face, &parts, error);
-    return status;
+    return status == BAT_OK ? text_lines_write(sink, mesh->face_count, options->threads, format_face, &parts, error)
+                            : status;
 }

@@ -246,9 +246,8 @@ static bat_status write_binary(const bat_mesh *mesh, const bat_mesh_write_option
     text_buffer text = {0};
     text_append(&text, header, sizeof header);
     bat_status status = sink_take(sink, &text, check_range(mesh, error), error);
-    if (status == BAT_OK)
-        status = text_lines_write(sink, mesh->face_count, options->threads, format_binary, mesh, error);
-    return status;
+    return status == BAT_OK ? text_lines_write(sink, mesh->face_count, options->threads, format_binary, mesh, error)
+                            : status;
 }
 
 bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)

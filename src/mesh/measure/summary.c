@@ -384,12 +384,7 @@ static void find_box(const bat_mesh *mesh, bat_mesh_summary *summary)
 {
     box_clear(3, summary->low, summary->high);
     for (size_t i = 0; i < 3 * mesh->face_count; i++)
-        for (int k = 0; k < 3; k++)
-        {
-            double x = mesh->positions[3 * (size_t)mesh->faces[i] + (size_t)k];
-            summary->low[k] = fmin(summary->low[k], x);
-            summary->high[k] = fmax(summary->high[k], x);
-        }
+        box_include(3, mesh->positions + 3 * (size_t)mesh->faces[i], summary->low, summary->high);
     summary->diagonal = hypot(hypot(summary->high[0] - summary->low[0], summary->high[1] - summary->low[1]),
                               summary->high[2] - summary->low[2]);
 }

@@ -71,8 +71,6 @@ bat_status mesh_learned_make(learn_parameters *parameters, bat_error *error)
     (void)learn_parameters_add(parameters, LEARNED_POOL, 2 * W, "pool.weight");
     (void)learn_parameters_add(parameters, 0, LEARNED_POOL, "pool.bias");
     bat_status status = learn_parameters_allocate(parameters, error);
-    if (status != BAT_OK)
-        learn_parameters_free(parameters);
     assert(status != BAT_OK || parameters->count == LEARNED_PARAMETERS);
     return status;
 }

@@ -135,11 +135,8 @@ static void faces_range(const void *context, size_t begin, size_t end)
     for (uint32_t f = (uint32_t)begin; f < end; f++)
     {
         for (uint32_t h = 3 * f; h < 3 * f + 3; h++)
-        {
-            if (!mesh_owns(twin, h))
-                continue;
-            BY_DIM(rows, halves_rows, h);
-        }
+            if (mesh_owns(twin, h))
+                BY_DIM(rows, halves_rows, h);
         BY_DIM(rows, inner_rows, f);
     }
 }
@@ -169,11 +166,8 @@ static void edge_range(const void *context, size_t begin, size_t end)
     const mesh_rows *rows = context;
     const uint32_t *twin = rows->level->links->twin;
     for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
-    {
-        if (!mesh_owns(twin, h))
-            continue;
-        BY_DIM(rows, edge_row, h);
-    }
+        if (mesh_owns(twin, h))
+            BY_DIM(rows, edge_row, h);
 }
 
 static void sharp_vertex_row(const void *context, uint32_t vertex)

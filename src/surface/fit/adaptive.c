@@ -363,9 +363,9 @@ static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
         return status;
     status = solve_control(loop, search, error);
     fit_nets_free(&loop->nets);
-    if (status == BAT_OK)
-        status = fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error);
-    return status;
+    return status == BAT_OK
+               ? fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error)
+               : status;
 }
 
 /// Leave boundary points on the edge to the border curves.

@@ -98,10 +98,7 @@ static bat_status make(const learn_source *source BAT_UNUSED, learn_parameters *
         (void)snprintf(name, sizeof name, "layer.%zu.bias", layer);
         (void)learn_parameters_add(parameters, 0, outputs_of(layer), name);
     }
-    bat_status status = learn_parameters_allocate(parameters, error);
-    if (status != BAT_OK)
-        learn_parameters_free(parameters);
-    return status;
+    return learn_parameters_allocate(parameters, error);
 }
 
 static void evaluate_layers(const real *weights, const double *features, double *moves)

@@ -378,9 +378,7 @@ static bat_status repair_make(const fold_finder *finder, repair *work, bat_error
         options.method = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE;
     if (status == BAT_OK)
         status = parameter_faults_make(count, &work->faults, error);
-    if (status == BAT_OK)
-        status = weights_make(cloud, &finder->order.tree, &options, &work->rows, error);
-    return status;
+    return status == BAT_OK ? weights_make(cloud, &finder->order.tree, &options, &work->rows, error) : status;
 }
 
 size_t fault_count(const bat_cloud_parameters_report *report)

@@ -137,9 +137,7 @@ typedef struct chord_split
 static bool is_chord(const chord_split *split, uint32_t a, uint32_t b)
 {
     size_t boundary = split->cloud->boundary_count;
-    if (a >= boundary || b >= boundary)
-        return false;
-    return key_map_find(&split->edges, key_of_pair(a, b)) > 1;
+    return a < boundary && b < boundary && key_map_find(&split->edges, key_of_pair(a, b)) > 1;
 }
 
 /// Number the middles of chords after the points of the cloud. False when out of memory.

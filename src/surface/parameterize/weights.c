@@ -155,9 +155,7 @@ bat_status weights_make(const bat_cloud *cloud, const nearest_tree *tree, const 
         options->method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE
             ? weights_of_triangles(cloud, rows, error)
             : weights_build(&source, star ? weights_of_star : weights_of_nearest, options->threads, rows, error);
-    if (status == BAT_OK)
-        status = weights_join(cloud, rows, error);
-    return status;
+    return status == BAT_OK ? weights_join(cloud, rows, error) : status;
 }
 
 // Uniform weights w_ik = 1 / n and inverse-distance weights w_ik = |x_i - x_k|^-1 / sum_j |x_i - x_j|^-1.
