@@ -128,10 +128,8 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
             turns_of(angle, length, turn);
             memcpy(angle, turn, sizeof angle);
         }
-        if (scheme->adaptive)
-            slope = adaptive_slope(angle, scheme->tension, sign, data->mean);
-        else
-            slope = slope_of(angle, scheme->tension, sign);
+        slope = scheme->adaptive ? adaptive_slope(angle, scheme->tension, sign, data->mean)
+                                 : slope_of(angle, scheme->tension, sign);
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
         status = space->apex(space, p, p + dim, atan(slope), fine + (2 * j + 1) * dim);
     }

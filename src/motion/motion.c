@@ -809,10 +809,8 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
     bat_status status = take_data(set, index, options, &keys, drift, error);
     if (status != BAT_OK)
         return status;
-    if (splined)
-        status = smooth_by_spline(set, index, options, &keys, drift, columns, &smooth, error);
-    else
-        status = bat_hermite_refine(&keys, &options->scheme, &smooth, error);
+    status = splined ? smooth_by_spline(set, index, options, &keys, drift, columns, &smooth, error)
+                     : bat_hermite_refine(&keys, &options->scheme, &smooth, error);
     if (status == BAT_OK && !splined)
         speed_up(&smooth);
     else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && !splined)

@@ -147,10 +147,9 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
     double a = vector_dot(n, cross, axis);
     vector_add(n, -a, axis, cross);
     double sinh_length = sinh(length), along;
-    if (a >= 0 || length < SHORT_STEP)
-        along = norm * cosh(length) + height(norm) * sinh_length * a;
-    else
-        along = sinh(asinh(norm) - length) + height(norm) * sinh_length * (vector_dot(n, cross, cross) / (1 - a));
+    along = a >= 0 || length < SHORT_STEP
+                ? norm * cosh(length) + height(norm) * sinh_length * a
+                : sinh(asinh(norm) - length) + height(norm) * sinh_length * (vector_dot(n, cross, cross) / (1 - a));
     for (size_t i = 0; i < n; i++)
         q[i + 1] = along * axis[i] + sinh_length * cross[i];
     return finish(space, q);

@@ -358,10 +358,7 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, ba
     if (next.arcs == NULL)
         return error_memory(error, count * sizeof *next.arcs);
     bat_status status;
-    if (stop_wanted(how))
-        status = refine_pieces(job, &one, &next, error);
-    else
-        status = refine_arcs(job, &one, next.arcs, error);
+    status = stop_wanted(how) ? refine_pieces(job, &one, &next, error) : refine_arcs(job, &one, next.arcs, error);
     if (status == BAT_OK)
         status = straighten(job, &next, error);
     if (status != BAT_OK)

@@ -450,9 +450,7 @@ static bat_status add_vertices(snap_job *job, bat_error *error)
 {
     bat_curve *curves = calloc(job->count, sizeof *curves);
     size_t **origins = calloc(job->count, sizeof *origins), next = 0;
-    bat_status status = BAT_OK;
-    if (curves == NULL || origins == NULL)
-        status = error_memory(error, job->count * sizeof *curves);
+    bat_status status = curves == NULL || origins == NULL ? error_memory(error, job->count * sizeof *curves) : BAT_OK;
     for (size_t c = 0; c < job->count && status == BAT_OK; c++)
         status = add_to_curve(job, c, &next, &curves[c], &origins[c], error);
     if (status != BAT_OK)

@@ -108,9 +108,7 @@ static bat_status read_property(word_scan *scan, ply_header *header, bat_error *
     if (header->element_count == 0)
         return ERROR_FILE(error, scan->line, "the property belongs to no element");
     ply_property property = {.list = scan_word(scan, "list")};
-    bat_status status = BAT_OK;
-    if (property.list)
-        status = read_type(scan, &property.count_type, error);
+    bat_status status = property.list ? read_type(scan, &property.count_type, error) : BAT_OK;
     if (status == BAT_OK && property.list && property.count_type >= PLY_FLOAT32)
         status = ERROR_FILE(error, scan->line, "a list's length must be a whole number");
     if (status == BAT_OK)

@@ -419,8 +419,6 @@ static bat_status finish_channels(const attribute_field *field, const bat_mesh *
 bat_status attributes_finish(const attributes *all, const bat_mesh *fine, const collapse_mesh *mesh, bat_mesh *coarse,
                              bat_error *error)
 {
-    bat_status status = BAT_OK;
-    if (all->texture.width > 0)
-        status = finish_texture(&all->texture, mesh, coarse, error);
+    bat_status status = all->texture.width > 0 ? finish_texture(&all->texture, mesh, coarse, error) : BAT_OK;
     return status == BAT_OK && all->channels.width > 0 ? finish_channels(&all->channels, fine, mesh, coarse, error) : status;
 }

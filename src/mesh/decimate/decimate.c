@@ -100,10 +100,8 @@ static bool place(const decimation *all, uint32_t edge, uint32_t *kept, error_pl
 {
     if (!collapse_edge_is_allowed(&all->mesh, edge, kept))
         return false;
-    if (all->memoryless)
-        *placed = memoryless_place(&all->mesh, all->vertices, &all->fields, edge, *kept, all->sweeping);
-    else
-        *placed = error_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
+    *placed = all->memoryless ? memoryless_place(&all->mesh, all->vertices, &all->fields, edge, *kept, all->sweeping)
+                              : error_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
     return isfinite(placed->error);
 }
 

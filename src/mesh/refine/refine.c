@@ -334,9 +334,7 @@ static bat_status split_level(const refinement *work, const mesh_scheme *scheme,
         return error_memory(error, corners * sizeof *next->mesh.faces);
     const mesh_sides *polygons = scheme->polygons ? &now->sides : NULL;
     split_faces(polygons, now->mesh.faces, &now->links, threads, next->mesh.faces);
-    bat_status status = BAT_OK;
-    if (now->mesh.texture_faces != NULL)
-        status = split_texture(work, scheme, last, next, error);
+    bat_status status = now->mesh.texture_faces != NULL ? split_texture(work, scheme, last, next, error) : BAT_OK;
     if (status == BAT_OK && (!last || work->plan->limit != NULL))
         status = split_links(polygons, &now->links, threads, &next->links, error);
     if (status == BAT_OK && now->edge_sharpness != NULL && next->links.edge != NULL)

@@ -201,9 +201,7 @@ static bat_status pull_normals(pull *all, double **normals, bat_error *error)
 static bat_status pull_all(pull *all, bat_mesh *made, bat_error *error)
 {
     const bat_mesh *fine = all->fine, *coarse = all->coarse;
-    bat_status status = BAT_OK;
-    if (fine->channel_count > 0)
-        status = channels_make(fine, coarse->vertex_count, made, error);
+    bat_status status = fine->channel_count > 0 ? channels_make(fine, coarse->vertex_count, made, error) : BAT_OK;
     for (size_t k = 0; k < fine->channel_count && status == BAT_OK; k++)
         pull_values(all, fine->channels + k, made->channels + k, fine->channel_count);
     if (coarse->face_labels == NULL || coarse->label_count != fine->label_count || status != BAT_OK)

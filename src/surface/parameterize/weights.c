@@ -117,9 +117,7 @@ bat_status weights_build(const weight_source *source, weight_maker *maker, int t
     size_t rows_count = cloud->count - cloud->boundary_count, chunk_count = (rows_count + CHUNK_ROWS - 1) / CHUNK_ROWS;
     weight_chunk *chunks = calloc(chunk_count > 0 ? chunk_count : 1, sizeof *chunks);
     size_t *lengths = memory_array(rows_count, sizeof *lengths);
-    bat_status status = BAT_OK;
-    if (chunks == NULL || lengths == NULL)
-        status = error_memory(error, rows_count * sizeof *lengths);
+    bat_status status = chunks == NULL || lengths == NULL ? error_memory(error, rows_count * sizeof *lengths) : BAT_OK;
     if (status == BAT_OK)
         status = make_chunks(source, maker, threads, rows_count, chunks, chunk_count, lengths, error);
     if (status == BAT_OK)
