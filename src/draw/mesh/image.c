@@ -1,7 +1,6 @@
 #include "batten/mesh_picture.h"
 
 #include "base/atomic_file.h"
-#include "base/error.h"
 #include "draw/common/sheet.h"
 #include "io/common/base64.h"
 #include "io/gis/gis.h"

@@ -35,19 +35,11 @@ static film_kind kind_of(const bat_space *space)
 {
     if (space_is_rotation(space))
         return FILM_STRIP;
-    switch (view_space_of(space))
-    {
-    case VIEW_SPHERE:
-    case VIEW_DISK:
-    case VIEW_HYPERBOLIC:
-    case VIEW_TENSOR:
+    view_space shown = view_space_of(space);
+    if (shown == VIEW_SPHERE || shown == VIEW_DISK || shown == VIEW_HYPERBOLIC || shown == VIEW_TENSOR)
         return FILM_SHAPE;
-    case VIEW_SOLID:
-    case VIEW_RIGID:
-        return FILM_PATH;
-    default:
-        return space->point_dim == 2 && (space_is_plane(space) || space_is_euclidean(space)) ? FILM_PATH : FILM_COORDINATES;
-    }
+    bool flat = space->point_dim == 2 && space_is_euclidean(space);
+    return flat || shown == VIEW_SOLID || shown == VIEW_RIGID ? FILM_PATH : FILM_COORDINATES;
 }
 
 /// The units of a file, unless the options name them.

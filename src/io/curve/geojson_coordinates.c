@@ -222,15 +222,14 @@ static bat_status read_parts(geojson_reader *reader, json_scanner *scan)
         return geojson_fault(reader, "the coordinates must be an array of arrays of positions");
     if (json_scan_at(scan, ']')) // of a polygon among others
         note_degenerate(reader);
-    for (size_t i = 0; json_scan_element(scan, i); i++)
+    bat_status status = BAT_OK;
+    for (size_t i = 0; status == BAT_OK && json_scan_element(scan, i); i++)
     {
         reader->place.part = i;
-        bat_status status = read_part(reader, scan);
-        if (status != BAT_OK)
-            return status;
+        status = read_part(reader, scan);
     }
     reader->place.part = NOWHERE;
-    return BAT_OK;
+    return status;
 }
 
 /// Forget the curves from one on.
@@ -261,15 +260,14 @@ static bat_status read_polygon(geojson_reader *reader, json_scanner *scan)
 static bat_status read_polygons(geojson_reader *reader, json_scanner *scan)
 {
     (void)json_scan_take(scan, '[');
-    for (size_t i = 0; json_scan_element(scan, i); i++)
+    bat_status status = BAT_OK;
+    for (size_t i = 0; status == BAT_OK && json_scan_element(scan, i); i++)
     {
         reader->place.polygon = i;
-        bat_status status = read_polygon(reader, scan);
-        if (status != BAT_OK)
-            return status;
+        status = read_polygon(reader, scan);
     }
     reader->place.polygon = NOWHERE;
-    return BAT_OK;
+    return status;
 }
 
 // Completion of GeoJSON geometries whose coordinates have been read: parts that the file cuts at the antimeridian are

@@ -1,5 +1,4 @@
 #include "io/curve/gpx.h"
-#include "io/curve/judge.h"
 
 #include <assert.h>
 

@@ -1,4 +1,4 @@
-#include "io/curve/judge.h"
+#include "io/curve/geojson_shape.h"
 
 #include "base/error.h"
 #include "curve/map/arc_refine.h"

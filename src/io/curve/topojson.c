@@ -109,29 +109,20 @@ static bat_status append_arc(topology_reader *reader, const json_t *number, bool
     return status;
 }
 
-/// Append the coordinates that arcs in `depth` arrays make.
-static bat_status append_arcs(topology_reader *reader, const json_t *arcs, int depth)
+/// Append an array of positions, or the coordinates that arcs in `depth` arrays make.
+static bat_status append_parts(topology_reader *reader, const json_t *parts, bool points, int depth)
 {
-    bat_status status = json_is_array(arcs) ? BAT_OK : fault(reader, "the arcs must be arrays of whole numbers");
+    bat_status status = json_is_array(parts) ? BAT_OK
+                                             : fault(reader, points ? "the geometry has no array of coordinates"
+                                                                    : "the arcs must be arrays of whole numbers");
     text_append_string(&reader->geojson, "[");
-    for (size_t i = 0; i < json_array_size(arcs) && status == BAT_OK; i++)
+    for (size_t i = 0; i < json_array_size(parts) && status == BAT_OK; i++)
     {
-        text_append_string(&reader->geojson, depth > 0 && i > 0 ? "," : "");
-        status = depth > 0 ? append_arcs(reader, json_array_get(arcs, i), depth - 1)
-                           : append_arc(reader, json_array_get(arcs, i), i == 0);
-    }
-    text_append_string(&reader->geojson, "]");
-    return status;
-}
-
-static bat_status append_points(topology_reader *reader, const json_t *points)
-{
-    bat_status status = json_is_array(points) ? BAT_OK : fault(reader, "the geometry has no array of coordinates");
-    text_append_string(&reader->geojson, "[");
-    for (size_t i = 0; i < json_array_size(points) && status == BAT_OK; i++)
-    {
-        text_append_string(&reader->geojson, i > 0 ? "," : "");
-        status = append_position(reader, json_array_get(points, i), NULL, true);
+        const json_t *part = json_array_get(parts, i);
+        text_append_string(&reader->geojson, (points || depth > 0) && i > 0 ? "," : "");
+        status = points      ? append_position(reader, part, NULL, true)
+                 : depth > 0 ? append_parts(reader, part, false, depth - 1)
+                             : append_arc(reader, part, i == 0);
     }
     text_append_string(&reader->geojson, "]");
     return status;
@@ -158,9 +149,9 @@ static bat_status append_geometry(topology_reader *reader, const json_t *geometr
     if (kind == GEOMETRY_POINT)
         status = append_position(reader, coordinates, NULL, true);
     else if (kind == GEOMETRY_POINTS)
-        status = append_points(reader, coordinates);
+        status = append_parts(reader, coordinates, true, 0);
     else if (!collection)
-        status = append_arcs(reader, json_object_get(geometry, "arcs"), depths[kind]);
+        status = append_parts(reader, json_object_get(geometry, "arcs"), false, depths[kind]);
     for (size_t i = 0; collection && i < json_array_size(members) && status == BAT_OK; i++)
     {
         text_append_string(&reader->geojson, i > 0 ? "," : "");

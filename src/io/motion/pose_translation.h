@@ -60,21 +60,10 @@ typedef enum column_unit
 /// The decimals that a unit of time has below seconds.
 int pose_unit_decimals(column_unit unit);
 
-/// The name of a column in lower case without quotes, unit and prefixes, with '_' for dots, slashes and blanks.
-void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit *found);
-
-/// Whether a column is a part of a quaternion as logs of PX4 name it: "q[0]" is w.
-bool pose_name_is_px4(csv_field field);
-
-/// The role of a normalized name, or ROLES. `*canonical` tells whether the reader of CSV knows the name itself.
-role pose_name_role(const char *name, bool *canonical);
-
 // The times of poses, which the reader of CSV understands: numbers in a unit, and ISO 8601.
 
 /// Append a time as it is, with a decimal point. Returns null, or an error text.
 const char *pose_time_copy(csv_field cell, char separator, text_buffer *text);
-/// Append seconds and nanoseconds of two columns as seconds. Returns null, or an error text.
-const char *pose_time_join(csv_field seconds, csv_field nanoseconds, text_buffer *text);
 
 enum
 {
@@ -113,13 +102,6 @@ bool pose_read_numbers(const file_text *source, const text_line *line, size_t co
 /// Append a pose to a time that stands there, or as a row at a time.
 void pose_write_tum(pose_translation *work, const double *place, const double *quaternion);
 void pose_write_row(pose_translation *work, double time, const double *place, const double *quaternion);
-
-/// The nearest rotation of a row's 3x4 matrix, and the largest distance of an entry from it; infinite without one.
-double pose_matrix_deviation(const double *row, double *quaternion);
-bat_status pose_translate_kitti(pose_translation *work, bat_error *error);
-
-bat_status pose_translate_colmap(pose_translation *work, bat_error *error);
-bat_status pose_translate_bvh(pose_translation *work, bat_error *error);
 
 /// What the names of a header tell.
 typedef struct pose_header

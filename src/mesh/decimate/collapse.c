@@ -173,13 +173,11 @@ bat_status collapse_mesh_make(const bat_mesh *mesh, bool seams, collapse_mesh *m
         set_freedom(mesh, &new);
         status = set_curves(mesh, seams, &new, error);
     }
-    if (status != BAT_OK)
-    {
+    if (status == BAT_OK)
+        *made = new;
+    else
         collapse_mesh_free(&new);
-        return status;
-    }
-    *made = new;
-    return BAT_OK;
+    return status;
 }
 
 /// Append faces counter-clockwise around the vertex where `from` begins, from its face up to the face of `until`, which is
