@@ -15,27 +15,17 @@ static inline double quaternion_dot(const double *p, const double *q)
 
 static inline void quaternion_normalize(double *q)
 {
-    double inverse = 1 / sqrt(quaternion_dot(q, q));
-    q[0] *= inverse;
-    q[1] *= inverse;
-    q[2] *= inverse;
-    q[3] *= inverse;
+    vector_scale(4, 1 / sqrt(quaternion_dot(q, q)), q);
 }
 
 /// The same, sooner, for a quaternion whose length is 1 but for rounding and the tolerance of points.
 static inline void quaternion_renormalize(double *q)
 {
     double excess = quaternion_dot(q, q) - 1;
-    if (!(fabs(excess) < 1e-8))
-    {
+    if (fabs(excess) < 1e-8)
+        vector_scale(4, 1 - 0.5 * excess, q);
+    else
         quaternion_normalize(q);
-        return;
-    }
-    double inverse = 1 - 0.5 * excess;
-    q[0] *= inverse;
-    q[1] *= inverse;
-    q[2] *= inverse;
-    q[3] *= inverse;
 }
 
 /// The rotation from p to q, seen from p: conj(p) q or conj(p)(-q), whichever turns by at most pi.

@@ -236,8 +236,7 @@ static bat_status read_texture(obj_reader *reader, bat_error *error)
     double *texture = mesh_builder_texture(&reader->builder);
     if (texture == NULL)
         return mesh_builder_no_memory(&reader->builder, error);
-    texture[0] = numbers[0];
-    texture[1] = numbers[1];
+    memcpy(texture, numbers, 2 * sizeof *texture);
     return BAT_OK;
 }
 

@@ -237,8 +237,7 @@ static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, dou
     for (uint32_t c = 0; c < 3; c++)
     {
         double share = barycentric[(corner + c) % 3];
-        point[0] += share * corners[c][0];
-        point[1] += share * corners[c][1];
+        vector_add(2, share, corners[c], point);
     }
     double turned[3];
     uint32_t found = collapse->first_entry + locate(map, collapse, !to_fine, point, turned);

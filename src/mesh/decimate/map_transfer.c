@@ -204,8 +204,7 @@ static void fit(const texture_point *samples, const double (*shares)[3], size_t 
         count++;
         for (size_t k = 0; k < 6; k++)
             right[k / 2][k % 2] += shares[i][k / 2] * samples[i].texture[k % 2];
-        sum[0] += samples[i].texture[0];
-        sum[1] += samples[i].texture[1];
+        vector_add(2, 1, samples[i].texture, sum);
     }
     for (size_t k = 0; k < 2; k++)
     {
@@ -230,8 +229,7 @@ static uint32_t number_of(texture_transfer *all, uint32_t vertex, const double *
     number = all->count++;
     all->next[number] = all->first[vertex];
     all->first[vertex] = number;
-    all->texture[number][0] = texture[0];
-    all->texture[number][1] = texture[1];
+    memcpy(all->texture[number], texture, sizeof all->texture[number]);
     return number;
 }
 

@@ -189,8 +189,7 @@ static double limit_step(const fit_nets *nets, const foot_point *foot, double *s
         length = fmax(length, fabs(step[k]) * (double)hierarchical_spans(nets->space, level, k));
     if (length <= MAX_STEP)
         return length;
-    step[0] *= MAX_STEP / length;
-    step[1] *= MAX_STEP / length;
+    vector_scale(2, MAX_STEP / length, step);
     return MAX_STEP;
 }
 

@@ -68,8 +68,7 @@ static size_t next_corner(const double (*points)[2], size_t count, size_t from)
         if ((other[0] == 0 && other[1] == 0) || !is_further_clockwise(direction, other))
             continue;
         next = k;
-        direction[0] = other[0];
-        direction[1] = other[1];
+        memcpy(direction, other, sizeof direction);
     }
     return next;
 }
