@@ -34,8 +34,7 @@ static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_
         bat_status status = space->log(space, base, p + row * (ptrdiff_t)dim, tangent);
         if (status != BAT_OK)
             return status;
-        for (size_t i = 0; i < tangent_dim; i++)
-            sum[i] += taps->weights[k] * tangent[i];
+        vector_add(tangent_dim, taps->weights[k], tangent, sum);
     }
     return space->exp(space, base, sum, fine);
 }

@@ -166,8 +166,7 @@ static bat_status make_basis(const smooth_piece *p, bat_error *error)
         for (size_t b = 0; b < found; b++)
         {
             double share = space->inner(space, p->points, vector, frame_of(p, 0, b));
-            for (size_t c = 0; c < p->tangent; c++)
-                vector[c] -= share * frame_of(p, 0, b)[c];
+            vector_add(p->tangent, -share, frame_of(p, 0, b), vector);
         }
         double length = sqrt(space->inner(space, p->points, vector, vector));
         if (!(length > INDEPENDENT * fmax(before, INDEPENDENT)))

@@ -457,8 +457,7 @@ void smooth_fit_moves(smooth_fit *f, double *moves)
     for (size_t i = 0; i < f->count; i++)
     {
         smooth_fit_bend_back(f, i, f->weight, moves + i * f->dim);
-        for (size_t c = 0; c < f->dim; c++)
-            moves[i * f->dim + c] += f->residuals[i * f->dim + c];
+        vector_add(f->dim, 1, f->residuals + i * f->dim, moves + i * f->dim);
     }
 }
 

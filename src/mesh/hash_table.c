@@ -181,11 +181,6 @@ uint32_t point_table_find(const point_table *table, const double point[3])
     }
 }
 
-static bool is_near(const point_table *table, const double a[3], const double b[3])
-{
-    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]) <= table->cell;
-}
-
 /// The smallest index below `best` of a point in one cell within the distance `cell` of `point`.
 static uint32_t near_in_cube(const point_table *table, const point_key *cube, const double point[3], uint32_t best)
 {
@@ -197,7 +192,8 @@ static uint32_t near_in_cube(const point_table *table, const point_key *cube, co
             continue;
         const double *other = table->points + 3 * (size_t)index;
         point_key key = key_of(table, other);
-        if (keys_equal(&key, cube) && is_near(table, other, point))
+        double distance = hypot(hypot(other[0] - point[0], other[1] - point[1]), other[2] - point[2]);
+        if (keys_equal(&key, cube) && distance <= table->cell)
             best = index;
     }
     return best;

@@ -808,8 +808,7 @@ static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_s
     for (size_t i = 0, key = 0; status == BAT_OK && !settled && i < fused->count && key < keys->count; i++)
         if (fused->times[i] == keys->times[key])
         {
-            for (size_t c = 0; c < 3; c++)
-                rows[3 * key + c] -= path[6 * i + c];
+            vector_add(3, -1, path + 6 * i, rows + 3 * key);
             key++;
         }
     bat_hermite_curve moved = {.space = &space, .points = rows, .times = keys->times, .count = keys->count};

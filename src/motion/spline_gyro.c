@@ -64,8 +64,7 @@ void gyro_row_at(const bat_motion_gyro *gyro, const double *rows, double time, s
 static void rates_at(const gyro_work *work, double time, size_t *near, double *rates)
 {
     gyro_row_at(work->gyro, work->gyro->rates, time, near, rates);
-    for (size_t c = 0; c < 3; c++)
-        rates[c] -= work->bias[c];
+    vector_add(3, -1, work->bias, rates);
 }
 
 /// Integrate the rates: the fourth-order term of Magnus's series for linear rates, and the trapezoidal rule for M.

@@ -99,8 +99,7 @@ static bat_status move(smoother *s, double weight, double *largest)
     {
         double step[BAT_SPACE_MAX_DIM] = {0}, vector[BAT_SPACE_MAX_DIM], moved[BAT_SPACE_MAX_DIM];
         smooth_fit_bend_back(&s->fit, i, weight, step + s->first);
-        for (size_t k = 0; k < s->fit.dim; k++)
-            step[s->first + k] += s->fit.residuals[i * s->fit.dim + k];
+        vector_add(s->fit.dim, 1, s->fit.residuals + i * s->fit.dim, step + s->first);
         *largest = fmax(*largest, sqrt(vector_square(s->n, step)));
         turn_frame(s, i, true, step, vector);
         status = space->exp(space, s->points + i * s->dim, vector, moved);

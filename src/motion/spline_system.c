@@ -331,8 +331,7 @@ static bat_status measure_roughness(spline_system *system, size_t *failed)
         if (status != BAT_OK)
             return status;
         row[2] = pow(row[0], 2) + pow(norm_at(system, k, last), 2);
-        for (size_t c = 0; c < n; c++)
-            last[c] -= acceleration[c];
+        vector_add(n, -1, acceleration, last);
         row[1] = pow(norm_at(system, k, last), 2);
         change += row[1];
         squared += row[2];
@@ -594,8 +593,7 @@ static bat_status correct(spline_system *system, double *diagonal, size_t *faile
                 spline_transport(system, k, AT_END, AT_BEGIN, of_key(system, system->residuals, k + 1), moved);
             if (status != BAT_OK)
                 return status;
-            for (size_t c = 0; c < n; c++)
-                residual[c] -= row[2] * moved[c];
+            vector_add(n, -row[2], moved, residual);
         }
         for (size_t c = 0; c < n; c++)
             residual[c] /= diagonal[k];
@@ -687,8 +685,7 @@ static void into_cone(const bat_space *space, const double *point, const double 
     if (!(determinant > 1e-12 * squared[0] * squared[1]))
     {
         int longer = squared[0] >= squared[1] ? 0 : 1;
-        for (size_t c = 0; c < n; c++)
-            v[c] -= along[longer] / squared[longer] * chords[longer][c];
+        vector_add(n, -along[longer] / squared[longer], chords[longer], v);
         return;
     }
     double of_a = (along[0] * squared[1] - along[1] * mixed) / determinant;

@@ -63,10 +63,8 @@ static double distance_of(const shape_fit *fit, const double point[3], double ro
 static void add_squares(const double *row, double value, double *matrix, double *gradient)
 {
     for (size_t i = 0; i < PARAMETERS; i++)
-        for (size_t j = 0; j < PARAMETERS; j++)
-            matrix[PARAMETERS * i + j] += row[i] * row[j];
-    for (size_t i = 0; i < PARAMETERS; i++)
-        gradient[i] += row[i] * value;
+        vector_add(PARAMETERS, row[i], row, matrix + PARAMETERS * i);
+    vector_add(PARAMETERS, value, row, gradient);
 }
 
 /// Set the squares, the matrix and the gradient.

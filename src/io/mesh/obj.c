@@ -32,10 +32,9 @@ static label_name rest_of_line(word_scan *scan)
     const char *begin = scan->at, *end = begin;
     for (; scan->at < scan->end && *scan->at != '\n'; scan->at++)
     {
-        bool blank = *scan->at == ' ' || *scan->at == '\t' || *scan->at == '\r';
         if (*scan->at == '#' && end < scan->at)
             break;
-        if (!blank)
+        if (!text_is_blank(*scan->at))
             end = scan->at + 1;
     }
     size_t size = (size_t)(end - begin);

@@ -38,8 +38,7 @@ static void add_point(size_t count, const double *values, double weight, const d
         double scaled = weight * values[i];
         for (size_t j = 0; j <= i; j++)
             matrix[i * count + j] += scaled * values[j];
-        for (size_t k = 0; k < columns; k++)
-            right[i * columns + k] += values[i] * loads[k];
+        vector_add(columns, values[i], loads, right + i * columns);
     }
 }
 

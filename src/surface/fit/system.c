@@ -354,8 +354,7 @@ static void integrate_side(const plate_context *plate, const hierarchical_cell *
     }
     // Derivatives refer to the cell's local coordinate; each derivative by the parameter is a factor `spans`.
     for (int order = 0; order < 3; order++, scale *= spans * spans)
-        for (size_t k = 0; k < side * side; k++)
-            integrals->of[order][k] *= scale;
+        vector_scale(side * side, scale, integrals->of[order]);
 }
 
 static void fill_thin_plate(const void *context, size_t index, double *scratch, double *matrix, double *right BAT_UNUSED)

@@ -69,8 +69,7 @@ static void fill_system(const bat_cloud *cloud, const sparse_rows *rows, const d
         {
             size_t point = rows->columns[e];
             if (problem->numbers[point] == FIXED)
-                for (size_t c = 0; c < 2; c++)
-                    given[c] += rows->values[e] * parameters[2 * point + c];
+                vector_add(2, rows->values[e], parameters + 2 * point, given);
             else
             {
                 weights->columns[at] = problem->numbers[point];

@@ -79,9 +79,6 @@ bat_status weights_of_triangles(const bat_cloud *cloud, sparse_rows *rows, bat_e
 /// The first interior point that is not connected to the boundary by a chain of weights; BAT_NO_INDEX for none.
 bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows, size_t *point, bat_error *error);
 
-/// Connect all points to the boundary: those without a chain of weights to their nearest connected neighbours.
-bat_status weights_join(const bat_cloud *cloud, sparse_rows *rows, bat_error *error);
-
 /// The longest side of the bounding box of the points.
 double weights_longest_side(const bat_cloud *cloud);
 

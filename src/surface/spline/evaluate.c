@@ -26,8 +26,7 @@ static void hierarchical_values(const bat_hierarchical_space *space, const hiera
     double scale = (double)spans, s = fma(parameter, scale, -(double)place), power = scale;
     uniform_basis_values(space->options.degree[direction], spans, place, s, derivatives, values);
     for (size_t d = 1; d <= (size_t)derivatives; d++, power *= scale)
-        for (size_t a = 0; a < count; a++)
-            values[d * count + a] *= power;
+        vector_scale(count, power, values + d * count);
 }
 
 /// Orders of derivatives with respect to u and v in each row of values: B, B_u, B_v, B_uu, B_uv, B_vv.
