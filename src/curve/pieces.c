@@ -101,12 +101,9 @@ static bat_status cut(pieces *all, const bat_curve *coarse, bat_error *error)
     bool turned = coarse->closed && all->corner_count > 0;
     while (turned && all->corners[all->first] == 0)
         all->first++;
-    if (turned)
-    {
-        bat_status status = turn(all, coarse, error);
-        if (status != BAT_OK)
-            return status;
-    }
+    bat_status status = turned ? turn(all, coarse, error) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
     all->list = memory_array(all->corner_count + 1, sizeof *all->list);
     if (all->list == NULL)
         return error_memory(error, (all->corner_count + 1) * sizeof *all->list);

@@ -447,11 +447,9 @@ static void add_triangle(const bat_cloud *cloud, const double *parameters, const
     add_place(place, at, CENTRE, guides);
     if (area == 0)
         return;
-    for (size_t d = 0; d < 2; d++)
-    {
-        low[d] = fmin(at[0][d], fmin(at[1][d], at[2][d]));
-        high[d] = fmax(at[0][d], fmax(at[1][d], at[2][d]));
-    }
+    box_clear(2, low, high);
+    for (size_t k = 0; k < 3; k++)
+        box_include(2, at[k], low, high);
     for (size_t j = node_from(low[1], side); j < side && ((double)j + 0.5) / (double)side <= high[1]; j++)
         for (size_t i = node_from(low[0], side); i < side && ((double)i + 0.5) / (double)side <= high[0]; i++)
         {

@@ -1,8 +1,7 @@
 #include "curve/measure/metric_tree.h"
 
 #include "base/error.h"
-
-#include <math.h>
+#include "linalg/vector.h"
 
 // A subtree is a range of positions: its vantage point, then the half of the others nearer to it, then the rest.
 
@@ -21,13 +20,9 @@ static double distance_to(const metric_tree *tree, size_t position, const double
 
 static void shell_of(const keyed *entries, size_t begin, size_t end, double *shell)
 {
-    shell[0] = INFINITY;
-    shell[1] = -INFINITY;
+    box_clear(1, &shell[0], &shell[1]);
     for (size_t i = begin; i < end; i++)
-    {
-        shell[0] = fmin(shell[0], entries[i].key);
-        shell[1] = fmax(shell[1], entries[i].key);
-    }
+        box_include(1, &entries[i].key, &shell[0], &shell[1]);
 }
 
 static void arrange(metric_tree *tree, keyed *entries, size_t begin, size_t end)

@@ -95,14 +95,8 @@ bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t c
 {
     if (grid->count == 0)
         return false;
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    for (size_t i = 0; i < count; i++)
-        for (size_t k = 0; k < 2; k++)
-        {
-            double value = polygon[2 * i + k];
-            low[k] = value < low[k] ? value : low[k];
-            high[k] = value > high[k] ? value : high[k];
-        }
+    double low[2], high[2];
+    box_of_points(2, polygon, count, low, high);
     size_t last_column = cell_along(grid, high[0], 0), last_row = cell_along(grid, high[1], 1);
     for (size_t row = cell_along(grid, low[1], 1); row <= last_row; row++)
         for (size_t column = cell_along(grid, low[0], 0); column <= last_column; column++)

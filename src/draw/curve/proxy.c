@@ -251,18 +251,11 @@ static bat_status add_hyperboloids(proxy *made, const bat_curve_picture_panel *p
 static bat_status add_all(proxy *made, const bat_curve_picture_panel *panel, const bat_curve_picture_options *options,
                           bat_error *error)
 {
-    switch (view_space_of(panel->layers[0].curve->space))
-    {
-    case VIEW_ROTATION:
-        made->space = bat_sphere(2);
+    view_space shown = view_space_of(panel->layers[0].curve->space);
+    made->space = shown == VIEW_ROTATION ? bat_sphere(2) : shown == VIEW_RIGID ? bat_euclidean(3) : bat_disk();
+    if (shown == VIEW_ROTATION)
         return add_rotations(made, panel, options, error);
-    case VIEW_RIGID:
-        made->space = bat_euclidean(3);
-        return add_motions(made, panel, options, error);
-    default:
-        made->space = bat_disk();
-        return add_hyperboloids(made, panel, error);
-    }
+    return shown == VIEW_RIGID ? add_motions(made, panel, options, error) : add_hyperboloids(made, panel, error);
 }
 
 bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,

@@ -85,8 +85,7 @@ static void ring_line(ring_tracer *tracer, const double *point)
     if (tracer->view->kind == VIEW_GLOBE)
         view_equal_area(point, &area_u, &area_v);
     add_area(tracer, area_u, area_v);
-    tracer->low = fmin(tracer->low, tracer->longitude);
-    tracer->high = fmax(tracer->high, tracer->longitude);
+    box_include(1, &tracer->longitude, &tracer->low, &tracer->high);
     tracer->front = tracer->front || point[2] >= 0.0;
     tracer->back = tracer->back || point[2] < 0.0;
     memcpy(tracer->point, point, sizeof tracer->point);

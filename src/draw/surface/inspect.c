@@ -106,8 +106,7 @@ bat_status surface_row_inspect(surface_row *row, bool zebra, const double *param
     for (size_t f = 0; f < patch->face_count; f++)
     {
         double value = row->values[patch->faces[3 * f]];
-        low = fmin(low, value);
-        high = fmax(high, value);
+        box_include(1, &value, &low, &high);
         sum += isfinite(value) ? fabs(value) : 0;
     }
     double width = fmin(fmax((high - low) / STRIPES, WIDTHS[0]), WIDTHS[1]);

@@ -502,13 +502,11 @@ static bat_status read_line(csv_reader *reader, const text_line *line, bat_error
 static bat_status read_lines(csv_reader *reader, bat_error *error)
 {
     text_line line = text_line_start(reader->text);
-    while (text_line_next(reader->text, &line) && !reader->again)
-    {
-        bat_status status = read_line(reader, &line, error);
-        if (status != BAT_OK)
-            return status;
-    }
-    bat_status status = reader->again ? BAT_OK : end_curve(reader, error);
+    bat_status status = BAT_OK;
+    while (status == BAT_OK && !reader->again && text_line_next(reader->text, &line))
+        status = read_line(reader, &line, error);
+    if (status == BAT_OK && !reader->again)
+        status = end_curve(reader, error);
     if (status == BAT_OK && !reader->again && reader->builder.curve_count == 0)
         return ERROR_FILE(error, line.number, "there are no points");
     return status;

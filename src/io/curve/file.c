@@ -327,12 +327,10 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
                                const bat_curve_write_options *options, bat_curve_format *format, bat_error *error)
 {
     *format = options->format;
-    if (*format == BAT_CURVE_FORMAT_AUTO && path != NULL)
-    {
-        bat_status status = format_of_output(path, attributes, format, error);
-        if (status != BAT_OK)
-            return status;
-    }
+    bool by_path = *format == BAT_CURVE_FORMAT_AUTO && path != NULL;
+    bat_status status = by_path ? format_of_output(path, attributes, format, error) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
     if (*format == BAT_CURVE_FORMAT_AUTO && attributes != NULL)
         *format = attributes->format;
     return *format == BAT_CURVE_FORMAT_AUTO ? choice_unnamed_output(&bat_curve_format_family, error) : BAT_OK;
