@@ -372,6 +372,42 @@ static void plates_are_simple_shapes_in_step(void **state)
     }
 }
 
+/// Radii of holes between points at random places have no bias and little scatter, in units of the spacing.
+static void round_holes_have_their_radii(void **state)
+{
+    (void)state;
+    const plane_shape *plate = &SHAPES[3];
+    double spacing = sqrt(area_of(plate) / POINTS), sum = 0, squares = 0;
+    size_t count = 0, seeds = 12;
+    for (uint64_t seed = 1; seed <= seeds; seed++)
+    {
+        bat_cloud cloud = cloud_of(plate, POINTS, false, false, seed);
+        bat_surface_result result = must_trim(&cloud, 0);
+        bat_surface_primitive shape;
+        size_t edges[3];
+        double area;
+        check_status(bat_surface_find_primitive(&cloud, &result, &shape, NULL), BAT_OK);
+        check_status(bat_surface_write_shape("holes.step", &result.surface, &shape, NULL, edges, &area, NULL), BAT_OK);
+        file_text text;
+        check_status(file_text_read("holes.step", NULL, &text, NULL), BAT_OK);
+        for (const char *at = text.data; (at = strstr(at, "=CIRCLE('',#")) != NULL; at++)
+        {
+            double radius = strtod(strchr(strchr(at, '#'), ',') + 1, NULL), off = INFINITY;
+            for (size_t h = 0; h < plate->hole_count; h++)
+                off = fabs(radius - plate->holes[h][2]) < fabs(off) ? radius - plate->holes[h][2] : off;
+            sum += off / spacing;
+            squares += off * off / (spacing * spacing);
+            count++;
+        }
+        file_text_free(&text);
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+    }
+    double mean = sum / (double)count, scatter = sqrt(squares / (double)count);
+    if (3 * count < 2 * seeds * plate->hole_count || fabs(mean) > 0.03 || scatter > 0.06)
+        fail_msg("%zu circles, off by %.3f of a spacing, with a scatter of %.3f", count, mean, scatter);
+}
+
 static void small_holes_are_filled(void **state)
 {
     (void)state;
@@ -660,6 +696,7 @@ int main(void)
         cmocka_unit_test(discs_of_few_points_have_their_areas),
         cmocka_unit_test(plates_are_planes_with_holes),
         cmocka_unit_test(plates_are_simple_shapes_in_step),
+        cmocka_unit_test(round_holes_have_their_radii),
         cmocka_unit_test(small_holes_are_filled),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(curves_go_through_json),

@@ -22,12 +22,16 @@ enum
     MIN_LOOP = 8,
     MAX_SPANS = 256,
     CIRCLE_ROUNDS = 40,
-    SPANS = 16, ///< of a circle
-    DEGREE = 3
+    SPANS = 32, ///< of a circle
+    DEGREE = 3,
+    SHAPE = 13 ///< numbers of a round edge: of the radius, its factors of 1, and of sine and cosine of up to six angles
 };
 
 /// Largest distance of the true edge from a loop, in its roughness: jittered grids leave less area free than random points.
 static const double MAX_OFFSET = 1.75;
+/// Mean distance of the edge from the sides of a loop through points at random places, in spacings, and what the squared
+/// noise in spacings takes off: points of the edge lie on both sides of it.
+static const double EDGE = 0.45, EDGE_NOISE = 1.3;
 /// Loops with less roughness, in spacings, pass through points of the edge.
 static const double ROUGH = 0.08;
 /// Roughness beyond this, in spacings, is the shape of a narrow loop.
@@ -54,6 +58,10 @@ static const double REGULAR[2] = {1e-6, 1e-3};
 static const double SCATTER[2] = {1.25, 1.5};
 /// Largest correlation of neighbours' distances from them, in standard deviations.
 static const double PATTERN = 3;
+/// Largest mean square of distances from the circle of a rough loop, in squared spacings,
+static const double MAX_SQUARE = 0.2;
+/// and largest gain in the logarithm of the likelihood by other round shapes, whose mean is 6 for circles.
+static const double MAX_GAIN = 14;
 /// A few points beside an exact edge, up to ROUGH from it, do not count.
 static const double MOST = 0.75;
 /// Least points of a span, of exact and of rough loops.
@@ -77,8 +85,22 @@ typedef struct fair_loop
     double *turns;       ///< count
     bool *straight;      ///< count: the side after a corner is a line
     bool lines;          ///< lines and circles are tried
-    bool polygon;        ///< of the points, shifted, instead of curves
+    bool circle;         ///< it became one that all points make likely
+    int way;             ///< in which it is fitted
+    const double *cloud; ///< cloud_count x 2: parameters of all points
+    size_t cloud_count;
+    double noise, gap; ///< gap: mean spacing without the neighbours across the loop
 } fair_loop;
+
+/// Ways to fit loops: the next one where curves cross.
+enum
+{
+    CURVES,
+    POLYGONS,  ///< of the points, shifted, and circles
+    UNSHIFTED, ///< polygons of the points, and circles
+    POINTS,    ///< polygons of the points
+    WAYS
+};
 
 /// The index at a distance along the loop, which is cyclic.
 static size_t index_at(const fair_loop *loop, size_t index, ptrdiff_t step)
@@ -486,8 +508,76 @@ static bool is_within(const fair_loop *loop, const bat_spline_curve *curve)
     return true;
 }
 
+/// Climb to the most likely round edge of points at random places on its side 1, the outer one, or -1: it maximizes
+///     side pi r_0^2 / gap^2 + sum_i log Phi(side (d_i - r(angle_i)) / noise),
+/// with distances d from its centre, from a wider normal noise to the given one. Returns the maximum, or NaN.
+/// @param shape factors of the radius; those of sine and cosine of the angle itself are the centre's second and first
+///              coordinates. The first `number` are found.
+static double climb(const fair_loop *loop, const double (*near)[2], size_t count, double side, double noise, size_t number,
+                    double shape[SHAPE])
+{
+    double density = side * ANGLE_PI / (loop->gap * loop->gap), sum = NAN;
+    for (int round = 0; round < CIRCLE_ROUNDS; round++)
+    {
+        double matrix[SHAPE * SHAPE] = {0}, step[SHAPE] = {2 * density * shape[0]}, row[SHAPE];
+        double width = fmax(noise, ldexp(loop->gap / 6, -round / 4));
+        sum = density * shape[0] * shape[0];
+        for (size_t i = 0; i < count; i++)
+        {
+            const double from[2] = {near[i][0] - shape[2], near[i][1] - shape[1]};
+            double angle = atan2(from[1], from[0]), u = hypot(from[0], from[1]) - shape[0];
+            for (size_t k = 0; k < number; k++)
+            {
+                double turns = floor((double)(k + 1) / 2), wave = k % 2 == 1 ? sin(turns * angle) : cos(turns * angle);
+                row[k] = -side * wave / width;
+                u -= k > 2 ? wave * shape[k] : 0;
+            }
+            u *= side / width;
+            if (u > 8)
+                continue;
+            double ratio = u < -30 ? -u : sqrt(2 / ANGLE_PI) * exp(-u * u / 2) / erfc(-u * sqrt(0.5)); // Phi' / Phi
+            sum -= u * u / 2 + log(sqrt(ANGLE_TURN) * ratio);
+            for (size_t a = 0; a < number; a++)
+            {
+                step[a] += ratio * row[a];
+                for (size_t b = 0; b < number; b++)
+                    matrix[a * number + b] += ratio * (ratio + u) * row[a] * row[b];
+            }
+        }
+        if (decompose_solve(number, 1, matrix, step, NULL) != BAT_OK)
+            return NAN;
+        double length = sqrt(vector_square(number, step));
+        for (size_t k = 0; k < number; k++)
+            shape[k] += step[k] * fmin(1, loop->gap / (4 * length));
+    }
+    return sum;
+}
+
+/// Move a circle to the edge of points at random places near it: to the most likely circle less its bias, which is 1.8 times
+/// the mean distance of the nearest point, by simulation, and less with noise. False where the edge is no circle.
+static bool find_edge(const fair_loop *loop, double side, double circle[3])
+{
+    double(*near)[2] = memory_array(loop->cloud_count, sizeof *near), shape[SHAPE] = {circle[2], circle[1], circle[0]};
+    double least = loop->gap * loop->gap / (ANGLE_TURN * circle[2]), noise = hypot(loop->noise, least);
+    size_t count = 0;
+    for (size_t i = 0; i < loop->cloud_count && near != NULL; i++)
+    {
+        const double place[2] = {loop->cloud[2 * i] * loop->sides[0], loop->cloud[2 * i + 1] * loop->sides[1]};
+        double off = side * (hypot(place[0] - circle[0], place[1] - circle[1]) - circle[2]);
+        if (off > -2 * loop->gap && off < 1.5 * loop->gap)
+            memcpy(near[count++], place, sizeof place);
+    }
+    double sum = climb(loop, (const double(*)[2])near, count, side, noise, 3, shape);
+    const double likely[3] = {shape[2], shape[1], shape[0] - side * least * (1.1 + 0.7 * least / noise)};
+    double gain = climb(loop, (const double(*)[2])near, count, side, noise, SHAPE, shape) - sum;
+    bool is_round = gain <= MAX_GAIN && vector3_distance(likely, circle) < loop->gap;
+    memcpy(circle, likely, sizeof likely);
+    free(near);
+    return is_round;
+}
+
 /// Fit a circle to the points of a loop, as cubics between the corners of a regular polygon.
-static bool fit_circle(const fair_loop *loop, const fair_piece *piece, bat_spline_curve *curve)
+static bool fit_circle(fair_loop *loop, const fair_piece *piece, bat_spline_curve *curve)
 {
     double circle[3] = {0}, count = (double)piece->count - 1, turn = 0;
     for (size_t i = 0; i + 1 < piece->count; i++)
@@ -508,9 +598,12 @@ static bool fit_circle(const fair_loop *loop, const fair_piece *piece, bat_splin
         }
         for (int d = 0; d < 3 && round < CIRCLE_ROUNDS; d++)
             circle[d] += step[d];
-        if (round == CIRCLE_ROUNDS && (count < MIN_LOOP || !scatters(loop, sums, count)))
+        bool near = loop->offset > 0 ? sums[0] <= MAX_SQUARE * count * loop->gap * loop->gap : scatters(loop, sums, count);
+        if (round == CIRCLE_ROUNDS && (count < MIN_LOOP || !near))
             return false;
     }
+    if (loop->offset > 0 && !find_edge(loop, -copysign(1, turn), circle))
+        return false;
     *curve = (bat_spline_curve){.dimension = 2, .control = memory_array(2 * SPANS + 2, 2 * sizeof(double))};
     curve->knots = (bat_knot_vector){memory_array(2 * SPANS + 6, sizeof(double)), 2 * SPANS + 6, DEGREE};
     if (curve->control == NULL || curve->knots.knots == NULL)
@@ -526,6 +619,7 @@ static bool fit_circle(const fair_loop *loop, const fair_piece *piece, bat_splin
         curve->control[2 * i] = circle[0] + circle[2] * (cos(angle) - reach * sin(angle));
         curve->control[2 * i + 1] = circle[1] + circle[2] * (sin(angle) + reach * cos(angle));
     }
+    loop->circle = loop->offset > 0 && is_within(loop, curve);
     return is_within(loop, curve);
 }
 
@@ -611,11 +705,18 @@ static bat_status fit_loop(fair_loop *loop, bat_spline_trim *trim, bat_error *er
         first++;
     fair_piece piece = {.points = memory_array(loop->count + 2, sizeof *piece.points),
                         .at = memory_array(loop->count + 2, sizeof *piece.at),
-                        .closed = first == loop->count,
+                        .closed = true,
                         .rough = loop->offset > 0};
     bat_status status =
         piece.points == NULL || piece.at == NULL ? error_memory(error, loop->count * 3 * sizeof(double)) : BAT_OK;
-    size_t begin = piece.closed ? 0 : first, left = loop->count;
+    bool whole = first == loop->count, round = status == BAT_OK && loop->lines && (whole || loop->offset > 0);
+    if (round)
+        gather_piece(loop, 0, 0, &piece);
+    round = round && fit_circle(loop, &piece, &trim->pieces[pieces]);
+    pieces += round;
+    size_t begin = whole ? 0 : first, left = round ? 0 : loop->count;
+    piece.closed = whole;
+    loop->offset *= loop->way < UNSHIFTED;
     while (status == BAT_OK && left > 0)
     {
         size_t steps = 1;
@@ -624,10 +725,7 @@ static bat_status fit_loop(fair_loop *loop, bat_spline_trim *trim, bat_error *er
         gather_piece(loop, begin, steps, &piece);
         drop_overrun(&piece);
         bat_spline_curve *curve = &trim->pieces[pieces++];
-        if (loop->polygon)
-            status = fit_polygon(&piece, curve, error);
-        else if (!piece.closed || !loop->lines || !fit_circle(loop, &piece, curve))
-            status = fit_piece(loop, &piece, curve, error);
+        status = loop->way > CURVES ? fit_polygon(&piece, curve, error) : fit_piece(loop, &piece, curve, error);
         begin = (begin + steps) % loop->count;
         left -= steps;
     }
@@ -683,13 +781,13 @@ static bat_status fit_area(fair_loop *loop, bat_spline_trim *trim, bat_error *er
         loop->lines = lines > 0;
         loop->offset = offset;
         bat_status status = fit_loop(loop, trim, error);
-        for (int round = 0; round < ROUNDS && status == BAT_OK && loop->offset > 0; round++)
+        for (int round = 0; round < ROUNDS && status == BAT_OK && loop->offset > 0 && !loop->circle; round++)
         {
             loop->offset = fmin(fmax(loop->offset + (area - curve_area(trim)) / length, DBL_MIN), most);
             drop_loop(trim);
             status = fit_loop(loop, trim, error);
         }
-        if (status != BAT_OK || lines == 0 || fabs(curve_area(trim) - area) <= change * fabs(area))
+        if (status != BAT_OK || lines == 0 || loop->circle || fabs(curve_area(trim) - area) <= change * fabs(area))
             return status;
         drop_loop(trim);
     }
@@ -731,11 +829,13 @@ static void scale_curves(const double sides[2], bat_spline_trim *trim)
 }
 
 static bat_status loop_make(const outline_loops *loops, size_t number, const double sides[2], const double *parameters,
-                            const double *spacing, double noise, fair_loop *loop, bat_error *error)
+                            size_t points, const double *spacing, double noise, fair_loop *loop, bat_error *error)
 {
     const uint32_t *corners = loops->corners + loops->first[number];
+    const double *gaps = loops->spacing + loops->first[number];
     size_t count = loops->first[number + 1] - loops->first[number];
-    *loop = (fair_loop){.count = count, .sides = {sides[0], sides[1]}};
+    *loop = (fair_loop){
+        .count = count, .sides = {sides[0], sides[1]}, .cloud = parameters, .cloud_count = points, .noise = noise};
     loop->points = memory_pool_array(&loop->pool, count, sizeof *loop->points);
     loop->at = memory_pool_array(&loop->pool, count + 1, sizeof *loop->at);
     loop->corner = memory_pool_array(&loop->pool, count, sizeof *loop->corner);
@@ -749,22 +849,17 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
         for (size_t d = 0; d < 2; d++)
             loop->points[i][d] = parameters[2 * (size_t)corners[i] + d] * sides[d];
     double missing = 0;
-    for (size_t i = loops->first[number]; i < loops->first[number + 1]; i++)
-        missing += loops->missing[i];
+    for (size_t i = 0; i < count; i++)
+    {
+        double gap = (gaps[i] + gaps[(i + 1) % count]) / 2, ratio = noise / gap, *next = loop->points[(i + 1) % count];
+        missing += fmax(EDGE - EDGE_NOISE * ratio * ratio, 0) * gap * vector_distance(2, loop->points[i], next);
+        loop->gap += gap / (double)count;
+    }
     measure_loop(loop, corners, spacing, noise, loops->random, missing);
     return BAT_OK;
 }
 
-/// Ways to fit loops: the next one where curves cross.
-enum
-{
-    CURVES,
-    POLYGONS,  ///< of the points, shifted
-    UNSHIFTED, ///< polygons of the points
-    WAYS
-};
-
-static bat_status fit_loops(const outline_loops *loops, const double sides[2], const double *parameters,
+static bat_status fit_loops(const outline_loops *loops, const double sides[2], const double *parameters, size_t points,
                             const double *spacing, double noise, int way, bat_spline_trim *trim, bat_error *error)
 {
     size_t corners = loops->first[loops->count];
@@ -775,12 +870,12 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
     for (size_t l = 0; l < loops->count && status == BAT_OK; l++)
     {
         fair_loop loop;
-        status = loop_make(loops, l, sides, parameters, spacing, noise, &loop, error);
-        loop.offset *= way == UNSHIFTED ? 0 : 1;
-        loop.polygon = way >= POLYGONS;
-        loop.has_corners = loop.has_corners && !loop.polygon;
+        status = loop_make(loops, l, sides, parameters, points, spacing, noise, &loop, error);
+        loop.way = way;
+        loop.lines = way < POINTS;
+        loop.has_corners = loop.has_corners && way == CURVES;
         if (status == BAT_OK)
-            status = loop.polygon ? fit_loop(&loop, trim, error) : fit_area(&loop, trim, error);
+            status = way > CURVES ? fit_loop(&loop, trim, error) : fit_area(&loop, trim, error);
         memory_pool_free(&loop.pool);
     }
     if (status == BAT_OK)
@@ -790,7 +885,7 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
     return status;
 }
 
-bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters,
+bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters, size_t points,
                            const double *spacing, double noise, bat_spline_trim *trim, bat_error *error)
 {
     bool crosses = true;
@@ -799,7 +894,7 @@ bat_status fair_loops_make(const outline_loops *loops, const double sides[2], co
     for (int way = 0; way < WAYS && status == BAT_OK && crosses; way++)
     {
         spline_trim_free(trim);
-        status = fit_loops(loops, sides, parameters, spacing, noise, way, trim, error);
+        status = fit_loops(loops, sides, parameters, points, spacing, noise, way, trim, error);
         if (status == BAT_OK)
             status = find_crossing(trim, &crosses, error);
     }

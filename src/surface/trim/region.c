@@ -250,7 +250,7 @@ bat_status trimming_curves(const cloud_geometry *geometry, const surface_trimmin
         return error_memory(error, count * 2 * sizeof *ordered);
     for (size_t i = 0; i < count; i++)
         memcpy(ordered + 2 * i, parameters + 2 * (size_t)geometry->order.places[i], 2 * sizeof *ordered);
-    bat_status status = fair_loops_make(&trimming->loops, trimming->chart.sides, ordered, geometry->spacing,
+    bat_status status = fair_loops_make(&trimming->loops, trimming->chart.sides, ordered, count, geometry->spacing,
                                         fmin(geometry->noise, rms), trim, error);
     free(ordered);
     return status;

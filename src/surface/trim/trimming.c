@@ -42,10 +42,6 @@ static const double RANDOM_RADIUS = 1.1;
 /// A second piece with so many of the points is an error; smaller ones are outliers.
 static const double PIECE_SHARE = 0.05;
 
-/// Mean distance of the edge from the sides of a loop through points at random places, in spacings, and what the squared
-/// noise in spacings takes off: points of the edge lie on both sides of it.
-static const double EDGE = 0.45, EDGE_NOISE = 1.3;
-
 #define NONE UINT32_MAX ///< whose bytes are 0xff
 /// The gap that reaches the hull.
 #define OUTSIDE (UINT32_MAX - 1)
@@ -75,7 +71,7 @@ void outline_free(outline_loops *loops)
     free(loops->corners);
     free(loops->first);
     free(loops->filled);
-    free(loops->missing);
+    free(loops->spacing);
     free(loops->gaps);
     *loops = (outline_loops){0};
 }
@@ -485,7 +481,7 @@ typedef struct traced_loop
 typedef struct trace
 {
     uint32_t *corners;
-    double *missing; ///< see outline_loops
+    double *spacing; ///< see outline_loops
     size_t made;
     traced_loop *traced;
     size_t count;
@@ -502,14 +498,6 @@ static int compare_loops(const void *a, const void *b)
     return (p->begin > q->begin) - (p->begin < q->begin);
 }
 
-/// The area outside of a side that points at random places leave free, by the mean distance of the edge from sides of loops.
-static double missing_of(const outline_work *work, uint32_t side)
-{
-    uint32_t corner = work->triangles.corners[side], end = side_end(work, side);
-    double spacing = (work->spacing[corner] + work->spacing[end]) / 2, noise = work->geometry->noise / spacing;
-    return fmax(EDGE - EDGE_NOISE * noise * noise, 0) * spacing * distance_of(place_of(work, corner), place_of(work, end));
-}
-
 static void end_loop(const outline_work *work, const uint32_t *sides, size_t size, trace *out)
 {
     static const size_t MIN_CORNERS = 4;
@@ -518,7 +506,7 @@ static void end_loop(const outline_work *work, const uint32_t *sides, size_t siz
     for (size_t k = 0; k < size; k++)
     {
         out->corners[out->made + k] = work->triangles.corners[sides[k]];
-        out->missing[out->made + k] = missing_of(work, sides[k]);
+        out->spacing[out->made + k] = work->spacing[out->corners[out->made + k]];
     }
     out->traced[out->count++] = (traced_loop){.begin = out->made,
                                               .count = size,
@@ -560,11 +548,11 @@ static void trace_loops(const outline_work *work, size_t *last, bool *visited, u
 static bat_status store_loops(const trace *made, double fill, outline_loops *loops, bat_error *error)
 {
     loops->corners = memory_array(made->made, sizeof *loops->corners);
-    loops->missing = memory_array(made->made, sizeof *loops->missing);
+    loops->spacing = memory_array(made->made, sizeof *loops->spacing);
     loops->first = memory_array(made->count + 1, sizeof *loops->first);
     loops->filled = memory_array(made->count, sizeof *loops->filled);
-    if (loops->corners == NULL || loops->missing == NULL || loops->first == NULL || loops->filled == NULL)
-        return error_memory(error, made->made * sizeof *loops->missing);
+    if (loops->corners == NULL || loops->spacing == NULL || loops->first == NULL || loops->filled == NULL)
+        return error_memory(error, made->made * sizeof *loops->spacing);
     loops->first[0] = 0;
     for (size_t l = 0; l < made->count; l++)
     {
@@ -573,7 +561,7 @@ static bat_status store_loops(const trace *made, double fill, outline_loops *loo
             continue;
         size_t at = loops->first[loops->count];
         memcpy(loops->corners + at, made->corners + loop->begin, loop->count * sizeof *loops->corners);
-        memcpy(loops->missing + at, made->missing + loop->begin, loop->count * sizeof *loops->missing);
+        memcpy(loops->spacing + at, made->spacing + loop->begin, loop->count * sizeof *loops->spacing);
         loops->filled[loops->count++] = l > 0 && loop->diameter <= fill;
         loops->first[loops->count] = at + loop->count;
     }
@@ -623,7 +611,7 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
     bool *visited = memory_pool_zeros(&work->pool, sides, sizeof *visited);
     uint32_t *path = memory_pool_array(&work->pool, borders, sizeof *path);
     trace out = {.corners = memory_pool_array(&work->pool, borders, sizeof *out.corners),
-                 .missing = memory_pool_array(&work->pool, borders, sizeof *out.missing),
+                 .spacing = memory_pool_array(&work->pool, borders, sizeof *out.spacing),
                  .traced = memory_pool_array(&work->pool, borders, sizeof *out.traced)};
     bat_status status = memory_pool_check(&work->pool, error);
     if (status != BAT_OK)

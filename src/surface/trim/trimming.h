@@ -52,14 +52,13 @@ void planar_chart_free(planar_chart *chart);
 /// Closed polygons through points of a chart. Release them with outline_free().
 typedef struct outline_loops
 {
-    uint32_t *corners; ///< points, in the numbers of the chart
-    size_t *first;     ///< count + 1: the first corner of each loop
-    size_t count;      ///< the outline comes first, counter-clockwise; then holes, clockwise, the largest area first
-    bool *filled;      ///< count: whether a hole is to be closed
-    double *missing; ///< of each corner: its share of the area between the loop and the edge of a sheet that was scanned at
-                     ///< random places
-    bool random;     ///< whether the points are at random places, not on a grid
-    double area;     ///< of the surface by the density of the points, in units of the scaled cloud
+    uint32_t *corners;     ///< points, in the numbers of the chart
+    size_t *first;         ///< count + 1: the first corner of each loop
+    size_t count;          ///< the outline comes first, counter-clockwise; then holes, clockwise, the largest area first
+    bool *filled;          ///< count: whether a hole is to be closed
+    double *spacing;       ///< of each corner, without its neighbours across the loop
+    bool random;           ///< whether the points are at random places, not on a grid
+    double area;           ///< of the surface by the density of the points, in units of the scaled cloud
     bat_surface_gap *gaps; ///< gap_count: the holes, and gaps nearly as large, in units of the scaled cloud
     size_t gap_count;
 } outline_loops;
@@ -73,13 +72,14 @@ bat_status outline_find(const cloud_geometry *geometry, const planar_chart *char
 void outline_free(outline_loops *loops);
 
 /// Fit trimming curves to loops. Points inside a patch that was scanned at random places end before the true edge. Their
-/// loops are rough, and the curves lie outside of them by the missing area over their length. Points on the edge are met.
+/// loops are rough, and the curves lie outside of them by the missing area over their length; round ones become the circles
+/// that all points make likely. Points on the edge are met.
 /// @param sides      of the rectangle that the square stands for, in units of the scaled cloud
-/// @param parameters of the points, count x 2
+/// @param parameters of the points, points x 2
 /// @param spacing    of the points, in units of the scaled cloud
 /// @param noise      standard deviation of a coordinate, in units of the scaled cloud
 /// @return BAT_OK or BAT_NO_MEMORY; `trim` is empty on failure
-bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters,
+bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters, size_t points,
                            const double *spacing, double noise, bat_spline_trim *trim, bat_error *error);
 
 /// What is known of a trimmed surface before the fit.
