@@ -469,6 +469,7 @@ printf '0 0 0\n1 0 0\n1 1\n' > short.in.xyz
 awk 'BEGIN { for (i = 0; i < 100; i++) print i, 2 * i, 3 * i }' > straight.in.xyz
 awk '{ print } { print $1 + 5, $2, $3 }' cloud.in.xyz > two.in.xyz
 awk 'BEGIN { for (i = 0; i < 600; i++) { z = (2 * i + 1) / 600 - 1; r = sqrt(1 - z * z); print r * cos(2.4 * i), r * sin(2.4 * i), z } }' > sphere.in.xyz
+awk '{ print } { print $1 + 5, $2, $3 }' sphere.in.xyz > spheres.in.xyz
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' > closed.in.obj
 surface 'empty.in.xyz: there are no points' empty.in.xyz
 surface 'three.in.xyz: a surface patch needs at least four points' three.in.xyz
@@ -479,6 +480,7 @@ surface 'straight.in.xyz: no boundary loop' straight.in.xyz
 surface 'two.in.xyz: .*several pieces' two.in.xyz
 refused 2 'a shell has patches, not functions' surface sphere.in.xyz --shell --functions 100 -o out.step
 surface 'sphere.in.xyz: no boundary loop.*--shell' sphere.in.xyz --corners 0,1,2,3
+surface 'spheres.in.xyz: .*several pieces.*--shell' spheres.in.xyz --corners 0,1,2,3
 surface 'closed.in.obj: .*closed' closed.in.obj --corners 0,1,2,3
 surface 'none.in.xyz: cannot open' none.in.xyz
 surface '^batten: cloud.in.xyz: the weight of smoothing 1e\+308 is out of range' cloud.in.xyz --parameterization uniform --smoothing 1e308

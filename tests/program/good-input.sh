@@ -428,6 +428,11 @@ check "VTK has the data points with their distances" grep -q 'SCALARS' file.vtk
 check "the report has rounds" grep -Eq '^ +0 +12 +1 ' surface.txt
 "$batten" shape hull -o hull.xyz --vertices 400 --quiet
 first=$(sed -n 's/^# corners \([0-9]*\) \([0-9]*\) \([0-9]*\) \([0-9]*\)/\2,\3,\4,\1/p' hull.xyz)
+awk 'BEGIN { for (i = 0; i < 1200; i++) { z = (2 * int(i / 2) + 1) / 600 - 1; r = sqrt(1 - z * z)
+    print r * cos(1.2 * i) + i % 2 * 4, r * sin(1.2 * i), z } }' > spheres.xyz
+"$batten" surface spheres.xyz -o spheres.step > spheres.txt
+check "closed pieces become a shell by default" grep -q '^pieces 2, left out 0' spheres.txt
+check "two closed pieces are two solids" sh -c 'grep -c "=MANIFOLD_SOLID_BREP" spheres.step | grep -qx 2'
 "$batten" surface hull.xyz --parameterization shape-preserving --corners "$first" --functions 60 --parameters hull.uv --quiet
 check "corners are where they are asked for" awk -v row="$((${first%%,*} + 1))" 'NR == row { found = $1 < 0.01 && $2 < 0.01 } END { exit !found }' hull.uv
 "$batten" shape cage -o cage.obj --quiet

@@ -231,6 +231,31 @@ static void test_what_is_no_patch_is_refused(void **state)
     }
 }
 
+/// A shell is the way out for several pieces where all are closed, and only there.
+static void test_closed_pieces_lead_to_a_shell(void **state)
+{
+    (void)state;
+    for (int open = 0; open < 2; open++)
+    {
+        bat_random random = bat_random_seed(5);
+        bat_cloud cloud = {0};
+        bat_error error = {0};
+        for (int i = 0; i < 1600; i++)
+        {
+            double x = bat_random_normal(&random), y = bat_random_normal(&random), z = bat_random_normal(&random),
+                   length = sqrt(x * x + y * y + z * z);
+            if (i % 2 == 0)
+                add_point(&cloud, x / length, y / length, z / length);
+            else
+                add_point(&cloud, x / length + 3, y / length, (open && z > 0 ? -z : z) / length);
+        }
+        assert_none(&cloud, "several pieces");
+        check_status(bat_cloud_find_boundary(&cloud, &error), BAT_NO_CONVERGENCE);
+        assert_string_equal(error.remedy, open ? "" : "shell");
+        bat_cloud_free(&cloud);
+    }
+}
+
 static void test_two_sheets_are_told(void **state)
 {
     (void)state;
@@ -389,6 +414,7 @@ int main(void)
         cmocka_unit_test(test_place_and_size_do_not_matter),
         cmocka_unit_test(test_small_gaps_and_stray_points_are_left_alone),
         cmocka_unit_test(test_what_is_no_patch_is_refused),
+        cmocka_unit_test(test_closed_pieces_lead_to_a_shell),
         cmocka_unit_test(test_two_sheets_are_told),
         cmocka_unit_test(test_curves_are_told),
         cmocka_unit_test(test_scan_lines),

@@ -366,6 +366,11 @@ static bat_status find_loop_of_piece(const double *points, const nearest_tree *t
     bat_status status = subset_begin(count, &piece, error);
     if (status == BAT_OK)
         status = diagnose_pieces(points, tree, piece.kept, &left, error);
+    alpha_boundary_cycle any = {0}; // Without an edge anywhere, all pieces are closed.
+    if (status == BAT_NO_CONVERGENCE && find_loop_in_noise(points, tree, search, &any, NULL) == status &&
+        search->seems_closed)
+        (void)error_remedy(error, status, "shell", "fits closed pieces");
+    free(any.points);
     bool enough = (double)left > (all ? 0 : MAX_OUTLIERS * (double)count) && count - left >= MIN_BOUNDARY;
     if (status == BAT_OK && enough)
         status = subset_take(points, count, &piece, error);
