@@ -37,8 +37,8 @@ class Surface:
     distances: Floats
     control: Floats
 
-    def __init__(self, struct: Any, report: Report, points: Floats, parameters: Floats, distances: Floats) -> None:
-        self._surface = ffi.gc(struct, lib.bat_spline_surface_free)
+    def __init__(self, struct: Any, report: Report, points: Floats, parameters: Floats, distances: Floats, shaped: bool = False) -> None:
+        self._surface, self._shaped = ffi.gc(struct, lib.bat_spline_surface_free), shaped
         self.report, self.points, self.parameters, self.distances = report, points, parameters, distances
         count = lib.bat_hierarchical_space_functions(struct.space)
         self.control = np.array(ffi.unpack(struct.control, count * struct.dimension)).reshape(count, struct.dimension)
@@ -73,16 +73,24 @@ class Surface:
         faces = np.stack([first, first + 1, first + n + 1, first, first + n + 1, first + n], axis=1).reshape(-1, 3)
         return Mesh(self(t[None, :], t[:, None]).reshape(-1, 3), faces)
 
-    def write(self, path: str | os.PathLike[str] | None = None, *, format: str = "auto", samples: int = 0) -> bytes:
+    def write(self, path: str | os.PathLike[str] | None = None, *, format: str = "auto", samples: int = 0, keep_spline: bool = False) -> bytes:
         """Write the surface to a file, whose ending chooses the format: .xml, .step, .vtk, .obj or .json. Without a path, give
-        a format, and get the bytes of the file."""
+        a format, and get the bytes of the file.
+
+        Where the points lie on a plane, sphere, cylinder or cone, within the tolerance of the fit, STEP has this shape, with
+        lines and circles as edges. With `keep_spline`, it has the spline also then.
+        """
         how = options("bat_surface_write_options", {"format": format, "samples": samples})
         how.points, how.errors, how.point_count = pointer(self.points), pointer(self.distances), len(self.points)
-        return written(lib.bat_surface_write, format, self._surface, how, path=path)
+        shape = ffi.new("bat_surface_primitive *")
+        for name, value in self.report["primitive"].items() if self._shaped and not keep_spline else ():
+            setattr(shape, name, chosen(family_of("bat_surface_primitive_kind"), value).value if name == "kind" else
+                    value.tolist() if isinstance(value, np.ndarray) else value)  # fmt: skip
+        return written(lib.bat_surface_write_shape, format, self._surface, shape, how, ffi.NULL, ffi.NULL, path=path)
 
-    def to_step(self, path: str | os.PathLike[str] | None = None) -> bytes:
-        """STEP for programs of computer-aided design: to a file, or as bytes."""
-        return self.write(path, format="step")
+    def to_step(self, path: str | os.PathLike[str] | None = None, *, keep_spline: bool = False) -> bytes:
+        """STEP for programs of computer-aided design, as :meth:`write`: to a file, or as bytes."""
+        return self.write(path, format="step", keep_spline=keep_spline)
 
     def to_vtk(self, path: str | os.PathLike[str] | None = None, samples: int = 0) -> bytes:
         """VTK, with the points and their distances: to a file, or as bytes."""
@@ -92,7 +100,7 @@ class Surface:
         return f"<Surface of {len(self.control)} functions, {len(self.points)} points, rms {self.report.rms:.3g}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self.write(format="json"), self.report, self.points, self.parameters, self.distances)
+        return _unpickled, (self.write(format="json"), self.report, self.points, self.parameters, self.distances, self._shaped)
 
     def plot(self, ax: Any = None, samples: int = 64, *, interactive: bool = False, **style: Any) -> Any:
         """Draw the surface and the points with matplotlib; returns the axes. With `interactive`, the surface as
@@ -323,6 +331,7 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
     call(lib.bat_surface_find_primitive, cloud, result, primitive)
     surface = _surface(result, _order(cloud), given)
     surface.report["primitive"] = report(primitive)
+    surface._shaped = not (0 < how.fit.tolerance < primitive.largest and surface.report["reached"])
     return surface
 
 

@@ -128,3 +128,20 @@ def test_simple_shapes_are_told(random):
         primitive = batten.fit_surface(points, trim=True).report.primitive
         assert primitive.kind == ("none" if bulge else "cylinder")
         assert bulge or (abs(primitive.radius - 12) < 0.02 and abs(primitive.axis[2]) > 0.9999)
+
+
+def test_step_has_simple_shapes(random, tmp_path):
+    """A plate with a round hole is a plane with a circle in STEP, as the program writes it; the spline is there on demand, and
+    where the shape misses the tolerance."""
+    points = random.uniform(0, 10, (3000, 2))
+    points = np.pad(points[np.hypot(*(points - 5).T) > 2], ((0, 0), (0, 1)))
+    surface = batten.fit_surface(points, trim=True)
+    shaped, spline = surface.to_step(), surface.to_step(keep_spline=True)
+    assert b"=PLANE(" in shaped and shaped.count(b"=CIRCLE(") == 1 and b"=B_SPLINE_SURFACE" not in shaped
+    assert b"=PLANE(" not in spline and b"=B_SPLINE_SURFACE" in spline
+    assert surface.write(tmp_path / "out.step") == b"" and (tmp_path / "out.step").read_bytes().count(b"=PLANE(") == 1
+    assert pickle.loads(pickle.dumps(surface)).to_step() == shaped
+    assert surface.write(format="json") == surface.write(format="json", keep_spline=True)
+    points = np.column_stack([random.uniform(0, 10, (600, 2)), random.normal(0, 0.01, 600)])
+    for tolerance, planes in ((0.02, 0), (0.1, 1)):
+        assert batten.fit_surface(points, trim=True, tolerance=tolerance).to_step().count(b"=PLANE(") == planes
