@@ -350,6 +350,7 @@ static void plates_are_simple_shapes_in_step(void **state)
         assert_int_equal(count_text("shape.step", "=LINE("), edges[1]);
         assert_int_equal(count_text("shape.step", "=CIRCLE("), edges[2]);
         assert_int_equal(count_text("shape.step", "=B_SPLINE_CURVE"), edges[0]);
+        assert_int_equal(count_text("shape.step", "GEOMETRIC_REPRESENTATION_CONTEXT(2)"), 0); // that nothing would name
         if (!bent)
             assert_true(edges[1] == 4 && edges[2] >= 2);
 #ifdef CAD_READER
@@ -366,6 +367,7 @@ static void plates_are_simple_shapes_in_step(void **state)
             check_status(bat_surface_write_shape("spline.step", &result.surface, &shape, NULL, edges, &area, NULL), BAT_OK);
             assert_true(isnan(area) && edges[0] + edges[1] + edges[2] == 0);
             assert_int_equal(count_text("spline.step", "=B_SPLINE_SURFACE"), 1);
+            assert_int_equal(count_text("spline.step", "GEOMETRIC_REPRESENTATION_CONTEXT(2)"), 1);
         }
         bat_surface_result_free(&result);
         bat_cloud_free(&cloud);

@@ -509,8 +509,9 @@ static void write_trimmed_face(step_text *step, const trimmed_model *model, step
     size_t loops = model->trim->loop_count;
     bool shaped = model->shape.shape.kind != BAT_SURFACE_PRIMITIVE_NONE;
     uint32_t surface = shaped ? write_shape(step, &model->shape) : write_surface(step, &model->surface);
-    uint32_t planar = write_entity(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
-                                         "REPRESENTATION_CONTEXT('','2D'))");
+    uint32_t planar = shaped ? 0
+                             : write_entity(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                                                  "REPRESENTATION_CONTEXT('','2D'))");
     for (size_t l = 0; l < loops; l++)
         entities->faces[l] = write_trimming_loop(step, model, l, surface, planar, entities);
     uint32_t face = begin_entity(step, "ADVANCED_FACE('',");
