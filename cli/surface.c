@@ -49,6 +49,8 @@ static const option_spec OPTIONS[] = {
      FLAG(surface_job, shell)},
     {"patches", "N", METHOD, 0, "with --shell: about this number of patches; default: as many as bring points nearer",
      WHOLE(surface_job, shell_options.faces, 6, 1000000)},
+    {"crease-angle", "DEG", METHOD, 0, "of a shell: edges beyond this angle stay sharp; 0: none; default 40",
+     DEGREES(surface_job, shell_options.crease, 0)},
     {"fill-holes", "D", METHOD, 0, "with --trim or --shell: close holes of at most this diameter",
      NUMBER(surface_job, options.fill_holes)},
     {"close-gaps", "W", METHOD, 0, "with --trim: close gaps that no circle of a larger diameter fits into",

@@ -45,7 +45,7 @@ typedef struct bat_shell_reconstruct_options
         tolerance; ///< more faces until all points are nearer than this; 0: until held-out points are no nearer; default 0
     size_t faces;  ///< about this number of faces; 0: found; default 0
     size_t spans;  ///< patches of a face in each direction, 2 to 16; default 2
-    double crease; ///< of a mesh: edges beyond this angle stay sharp, in radians; 0: none; default 0.7 (40 degrees)
+    double crease; ///< edges of a mesh or of points beyond this angle stay sharp, in radians; 0: none; default 0.7
     double fill_holes; ///< of points: close holes up to this diameter too; default 0: those of a few spacings
     bool force;        ///< give also a shell that is judged to be wrong; default false
     int threads;       ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
