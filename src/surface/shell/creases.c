@@ -61,13 +61,14 @@ typedef struct crease_search
     const bat_mesh *mesh;
     bat_mesh made; ///< with creases
     bat_mesh_connectivity links;
-    flat_plane *planes; ///< of the points
-    double *normals;    ///< count x 3: of the flattest neighbourhoods, outwards
-    side_plane *sides;  ///< of the vertices
-    double *cuts;       ///< edge_count x 3
-    uint32_t *numbers;  ///< edge_count: the vertex at the cut; NONE: no cut
-    uint8_t *rings;     ///< vertex_count: number of the ring around cut edges; 0: none
-    bool *blocked;      ///< vertex_count: creases fold there
+    flat_plane *planes;       ///< of the points
+    double *normals;          ///< count x 3: of the flattest neighbourhoods, outwards
+    side_plane *sides;        ///< of the vertices
+    double *cuts;             ///< edge_count x 3
+    uint32_t *numbers;        ///< edge_count: the vertex at the cut; NONE: no cut
+    uint32_t *sets, *lengths; ///< edge_count: of chains of cuts, and their lengths
+    uint8_t *rings;           ///< vertex_count: number of the ring around cut edges; 0: none
+    bool *blocked;            ///< vertex_count: creases fold there
     neighbour_list near;
     memory_pool pool;
 } crease_search;
@@ -267,18 +268,11 @@ static int count_cuts(const crease_search *work, size_t face)
 
 /// Leave out short chains of cuts, and number the others.
 /// @param added receives the number of faces that become more
-static bat_status number_cuts(crease_search *work, size_t *vertices, size_t *added, bat_error *error)
+static void number_cuts(crease_search *work, size_t *vertices, size_t *added)
 {
     const uint32_t *edge = work->links.edge;
-    memory_pool pool = {0};
-    uint32_t *sets = memory_pool_array(&pool, work->links.edge_count, sizeof *sets),
-             *lengths = memory_pool_zeros(&pool, work->links.edge_count, sizeof *lengths);
-    bat_status status = memory_pool_check(&pool, error);
-    if (status != BAT_OK)
-    {
-        memory_pool_free(&pool);
-        return status;
-    }
+    uint32_t *sets = work->sets, *lengths = work->lengths;
+    memset(lengths, 0, work->links.edge_count * sizeof *lengths);
     *added = 0;
     sets_begin(sets, work->links.edge_count);
     for (size_t f = 0; f < work->mesh->face_count; f++)
@@ -298,8 +292,6 @@ static bat_status number_cuts(crease_search *work, size_t *vertices, size_t *add
         *added += count == 3 ? 5 : (size_t)count;
         *vertices += count == 3;
     }
-    memory_pool_free(&pool);
-    return BAT_OK;
 }
 
 /// The place where the planes of a face's corners meet, or the middle of its cuts where that is far.
@@ -522,9 +514,9 @@ static bat_status find_creases(crease_search *work, const nearest_tree *vertices
     {
         bat_mesh_free(&work->made);
         cut_edges(work);
-        status = number_cuts(work, &made, &added, error);
-        if (status != BAT_OK || added == 0)
-            return status;
+        number_cuts(work, &made, &added);
+        if (added == 0)
+            return BAT_OK;
         status = divide_faces(work, made, added, error);
         if (status == BAT_OK)
             status = block_folds(work, vertices, &folds, error);
@@ -543,6 +535,8 @@ bat_status shell_find_creases(const shell_cloud *cloud, const double *outwards, 
     work.planes = memory_pool_array(&work.pool, cloud->count, sizeof *work.planes);
     work.normals = memory_pool_zeros(&work.pool, cloud->count, 3 * sizeof *work.normals);
     work.sides = memory_pool_zeros(&work.pool, mesh->vertex_count, sizeof *work.sides);
+    work.sets = memory_pool_array(&work.pool, work.links.edge_count, sizeof *work.sets);
+    work.lengths = memory_pool_array(&work.pool, work.links.edge_count, sizeof *work.lengths);
     work.rings = memory_pool_array(&work.pool, mesh->vertex_count, sizeof *work.rings);
     work.blocked = memory_pool_zeros(&work.pool, mesh->vertex_count, sizeof *work.blocked);
     work.cuts = memory_pool_array(&work.pool, work.links.edge_count, 3 * sizeof *work.cuts);
