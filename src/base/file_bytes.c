@@ -25,9 +25,7 @@ static bat_status read_stream(FILE *file, unsigned long long max, text_buffer *b
             return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: the input does not end after %llu bytes",
                              max);
     }
-    if (ferror(file))
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
-    return BAT_OK;
+    return ferror(file) ? error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno)) : BAT_OK;
 }
 
 /// Read an open file: a regular file to its end, of which there is one, and anything else up to `max` bytes.

@@ -488,9 +488,7 @@ static bat_status curve_at(const spline_factor *f, const double *record, double 
         return any_rates(f, record, &jet, point, velocity, acceleration);
     if (velocity != NULL)
         status = curved_push(f, record, c, point, first, velocity);
-    if (status == BAT_OK && acceleration != NULL)
-        status = curved_acceleration(f, record, &jet, point, acceleration);
-    return status;
+    return status == BAT_OK && acceleration != NULL ? curved_acceleration(f, record, &jet, point, acceleration) : status;
 }
 
 bat_status spline_factor_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,

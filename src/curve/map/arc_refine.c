@@ -456,9 +456,7 @@ static bat_status run_steps(arc_job *job, bat_error *error)
     how.find_corners = false;
     if (!stop_wanted(&how))
         job->report->curves.min_levels = job->report->curves.max_levels = how.levels;
-    if (!goes_by_levels(job) || how.levels == 0)
-        return run_step(job, &how, error);
-    return run_levels(job, &how, error);
+    return !goes_by_levels(job) || how.levels == 0 ? run_step(job, &how, error) : run_levels(job, &how, error);
 }
 
 /// Whether the arcs of a graph have room for all levels.

@@ -59,9 +59,7 @@ static bat_status check_parts(const bat_surface_picture_row *row, size_t index, 
         wrong = "has a cloud without points, or with more on the boundary than there are";
     else if (row->surface != NULL && row->surface->dimension != 3)
         wrong = "has a surface that is not in space";
-    if (wrong != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "row %zu %s", index, wrong);
-    return BAT_OK;
+    return wrong == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, index, 0, "row %zu %s", index, wrong);
 }
 
 static bat_status check_points(const bat_surface_picture_row *row, size_t index, bat_error *error)

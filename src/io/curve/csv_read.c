@@ -588,9 +588,7 @@ static bat_status collect_groups(csv_reader *reader, row_groups *all, bat_error 
             status = error_memory(error, all->count * sizeof row);
         reader->closed = false;
     }
-    if (status == BAT_OK && all->count == 0)
-        return ERROR_FILE(error, line.number, "there are no points");
-    return status;
+    return status == BAT_OK && all->count == 0 ? ERROR_FILE(error, line.number, "there are no points") : status;
 }
 
 /// A curve for each value of a column, in the order of their first rows.

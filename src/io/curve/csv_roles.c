@@ -483,9 +483,7 @@ static bat_status check_counts(const csv_reader *reader, const text_line *line, 
             error,
             ERROR_FILE(error, line->number, "a point of the sphere needs 3 or more columns, or a header with lon and lat"),
             "columns", "names columns of longitude and latitude");
-    if (two && choice->count != 2)
-        return ERROR_FILE(error, line->number, "a point of the %s needs 2 columns", name);
-    return BAT_OK;
+    return two && choice->count != 2 ? ERROR_FILE(error, line->number, "a point of the %s needs 2 columns", name) : BAT_OK;
 }
 
 static bat_status use_choice(csv_reader *reader, const text_line *line, bool named_space, bat_error *error)

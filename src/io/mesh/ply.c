@@ -53,9 +53,7 @@ static bat_status read_encoding(word_scan *scan, ply_header *header, bat_error *
         if (scan_word(scan, names[i]))
         {
             header->encoding = (ply_encoding)i;
-            if (scan_word(scan, "1.0"))
-                return BAT_OK;
-            return scan_word_fault(scan, BAT_NO_INDEX, "is not version 1.0 of PLY", error);
+            return scan_word(scan, "1.0") ? BAT_OK : scan_word_fault(scan, BAT_NO_INDEX, "is not version 1.0 of PLY", error);
         }
     return scan_word_fault(scan, BAT_NO_INDEX, "is not ascii, binary_little_endian or binary_big_endian", error);
 }

@@ -320,9 +320,7 @@ static double dart_inner_weight(unsigned valence, unsigned i)
 static double dart_edge_weight(unsigned valence, unsigned i)
 {
     double n = valence;
-    if (i > 0)
-        return dart_inner_weight(valence, i);
-    return 10 / (3 * n * n) + dart_inner_weight(valence, 1) / 3;
+    return i > 0 ? dart_inner_weight(valence, i) : 10 / (3 * n * n) + dart_inner_weight(valence, 1) / 3;
 }
 
 static double dart_face_weight(unsigned valence, unsigned i)

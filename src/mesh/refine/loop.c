@@ -35,9 +35,7 @@ static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge,
 /// The last neighbour of a boundary vertex, to which no half-edge of its fan leads.
 static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bool in_parent)
 {
-    if (in_parent)
-        return neighbour_at(level, bat_mesh_previous(last), true);
-    return mesh_opposite(level->faces, last);
+    return in_parent ? neighbour_at(level, bat_mesh_previous(last), true) : mesh_opposite(level->faces, last);
 }
 
 /// Compute a vertex. Its neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's level. A

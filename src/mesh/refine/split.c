@@ -96,9 +96,7 @@ static inline void join(bat_mesh_connectivity *fine, uint32_t half_edge, uint32_
 /// The first half-edge at the vertex on an edge, as bat_mesh_connect() chooses it.
 static uint32_t first_of_middle(const uint32_t *twin, uint32_t half_edge)
 {
-    if (twin[half_edge] == BAT_MESH_NONE || half_edge % 3 == 2)
-        return split_far(half_edge);
-    return split_near(half_edge) + 1;
+    return twin[half_edge] == BAT_MESH_NONE || half_edge % 3 == 2 ? split_far(half_edge) : split_near(half_edge) + 1;
 }
 
 /// Join the half-edges in the children of a face, on both sides of the edges that it owns. Edges are numbered by their

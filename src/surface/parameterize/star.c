@@ -50,9 +50,7 @@ static bool is_further_clockwise(const double direction[2], const double other[2
 {
     double turn = cross(direction, other), length = direction[0] * direction[0] + direction[1] * direction[1];
     double other_length = other[0] * other[0] + other[1] * other[1];
-    if (turn * turn > COLLINEAR * COLLINEAR * length * other_length)
-        return turn < 0;
-    return other_length > length;
+    return turn * turn > COLLINEAR * COLLINEAR * length * other_length ? turn < 0 : other_length > length;
 }
 
 /// The corner after `from` of the convex hull of the origin and the points. SIZE_MAX stands for the origin.
