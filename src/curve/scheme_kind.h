@@ -48,7 +48,7 @@ size_t scheme_decided_levels(const bat_curve_scheme *scheme);
 /// Whether each level must be there as a whole before the next begins.
 bool scheme_needs_whole_polygons(const bat_curve_scheme *scheme);
 
-// The rows of bat_curve_scheme_family. A new spline is a form, and a row in scheme_name.c.
+// The rows of bat_curve_scheme_family. A new spline is a form, and a row in scheme.c.
 
 /// The settings that a scheme's name may carry.
 typedef struct scheme_settings
