@@ -185,12 +185,6 @@ static bat_status open_temporary(atomic_file *file, const struct stat *existing,
     return error_memory(error, BUFSIZ);
 }
 
-/// Names of what is open: a file that stands behind one is written through it, never replaced.
-static bool is_device_name(const char *path)
-{
-    return strncmp(path, "/dev/", 5) == 0 || strncmp(path, "/proc/", 6) == 0;
-}
-
 bat_status atomic_target_find(const char *path, atomic_target *target, bat_error *error)
 {
     struct stat link;
@@ -202,7 +196,9 @@ bat_status atomic_target_find(const char *path, atomic_target *target, bat_error
         return atomic_access_error(error, EISDIR);
     if (target->exists && access(path, W_OK) != 0)
         return atomic_access_error(error, errno);
-    if (target->exists && (!S_ISREG(target->existing.st_mode) || is_device_name(path)))
+    // Names of what is open: a file that stands behind one is written through it, never replaced.
+    bool device = strncmp(path, "/dev/", 5) == 0 || strncmp(path, "/proc/", 6) == 0;
+    if (target->exists && (!S_ISREG(target->existing.st_mode) || device))
         return BAT_OK;
     target->path = target->exists ? realpath(path, NULL) : strdup(path);
     if (target->path != NULL)

@@ -13,12 +13,6 @@ static inline double slope_of(const double *angle, double tension, double sign)
 }
 
 LANES_CLONES
-static void fixed_slopes(angle_block *block, size_t edges, double tension, double sign)
-{
-    for (size_t j = 0; j < edges; j++)
-        block->slope[j] = slope_of(block->angle + j, tension, sign);
-}
-
 /// The turns along edge j of the four vertices around it, multiplied by their factor.
 static inline void turns_of(const double *angle, const double *length, double turn[EDGE_VERTICES])
 {
@@ -90,7 +84,8 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
         else if (scheme->turns)
             turn_slopes(&block, edges, scheme->tension, sign);
         else
-            fixed_slopes(&block, edges, scheme->tension, sign);
+            for (size_t j = 0; j < edges; j++)
+                block.slope[j] = slope_of(block.angle + j, scheme->tension, sign);
         where->insert(&block, edges);
         for (size_t j = 0; j < edges; j++)
             if (!(block.margin[j] > 0))

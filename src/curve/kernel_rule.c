@@ -57,12 +57,6 @@ static void measure_edges(const refine_kernel *kernel, const double *points, siz
 }
 
 LANES_CLONES
-static void slopes_of(angle_block *block, const double *insertion, size_t edges)
-{
-    for (size_t j = 0; j < edges; j++)
-        block->slope[j] = angle_slope(insertion[j]);
-}
-
 /// New vertices over at most ANGLE_BLOCK_EDGES edges. On failure *fault is the edge at fault.
 static bat_status insert_block(const refine_kernel *kernel, const double *points, const double *insertion, size_t edges,
                                double *fine, size_t *fault)
@@ -71,7 +65,8 @@ static bat_status insert_block(const refine_kernel *kernel, const double *points
     const angle_surface *where = data->surface;
     size_t dim = kernel->dim;
     angle_block block;
-    slopes_of(&block, insertion, edges);
+    for (size_t j = 0; j < edges; j++)
+        block.slope[j] = angle_slope(insertion[j]);
     if (where != NULL)
     {
         angle_block_load(&block, 2, points, dim, edges + 1);

@@ -203,14 +203,6 @@ static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, b
     return status;
 }
 
-static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
-{
-    const bat_hermite_curve *coarse = plan->coarse;
-    *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
-    fine->kind = plan->linear != NULL ? BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES : BAT_HERMITE_TANGENTS_DIRECTIONS;
-    return hermite_allocate(fine, coarse->times != NULL, error);
-}
-
 /// The checks that cost as much as a step run only when the step fails, to find the cause.
 static bat_status explain(const hermite_plan *plan, bat_status status, bat_error *error)
 {
@@ -224,7 +216,10 @@ static bat_status explain(const hermite_plan *plan, bat_status status, bat_error
 
 static bat_status refine(hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
 {
-    bat_status status = make_result(plan, fine, error);
+    const bat_hermite_curve *coarse = plan->coarse;
+    *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
+    fine->kind = plan->linear != NULL ? BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES : BAT_HERMITE_TANGENTS_DIRECTIONS;
+    bat_status status = hermite_allocate(fine, coarse->times != NULL, error);
     if (status == BAT_OK)
         status = load_rows(plan, error);
     if (status == BAT_OK)

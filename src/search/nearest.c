@@ -248,13 +248,6 @@ static inline __attribute__((always_inline)) finding search(const nearest_tree *
     return best;
 }
 
-static finding search_unscaled(const nearest_tree *tree, const double *point)
-{
-    if (tree->dim == 2)
-        return search(tree, point, 2, 1);
-    return tree->dim == 3 ? search(tree, point, 3, 1) : search(tree, point, tree->dim, 1);
-}
-
 /// Where the squares leave the range.
 static __attribute__((noinline)) finding search_scaled(const nearest_tree *tree, const double *point, double scale)
 {
@@ -275,7 +268,9 @@ static bool is_at(const nearest_tree *tree, const finding *found, const double *
 
 nearest_hit nearest_find(const nearest_tree *tree, const double *point)
 {
-    finding found = search_unscaled(tree, point);
+    finding found = tree->dim == 2   ? search(tree, point, 2, 1)
+                    : tree->dim == 3 ? search(tree, point, 3, 1)
+                                     : search(tree, point, tree->dim, 1);
     double scale = segment_scale(found.squared);
     if (scale == 1 || tree->count == 0 || is_at(tree, &found, point))
         return (nearest_hit){found.item, sqrt(found.squared)};

@@ -472,13 +472,6 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
 }
 
-/// The distance from tangent planes that is doubtful. With few points, planes say too little.
-static double plane_limit(const cloud_geometry *geometry)
-{
-    double spacings = fmax(OFF_PLANES[1] * geometry->middle_spacing, OFF_PLANES[2] * geometry->noise);
-    return geometry->order.cloud.count < MIN_PLANE_POINTS ? INFINITY : fmax(OFF_PLANES[0] * geometry->size, spacings);
-}
-
 static void set_doubt(const cloud_geometry *geometry, bat_surface_doubt kind, double size, size_t point,
                       bat_surface_verdict *verdict)
 {
@@ -516,7 +509,9 @@ static bat_status doubt(const cloud_geometry *geometry, bat_surface_verdict *ver
         set_doubt(geometry, BAT_SURFACE_DOUBT_RIM, geometry->spacing[sparsest] / sqrt(2), sparsest, verdict);
     if (gap > fmax(OUTLINE_GAP[0] * geometry->size, OUTLINE_GAP[1] * geometry->middle_spacing))
         set_doubt(geometry, BAT_SURFACE_DOUBT_OUTLINE, largest, widest, verdict);
-    if (verdict->off_planes > plane_limit(geometry))
+    // With few points, planes say too little.
+    double spacings = fmax(OFF_PLANES[1] * geometry->middle_spacing, OFF_PLANES[2] * geometry->noise);
+    if (cloud->count >= MIN_PLANE_POINTS && verdict->off_planes > fmax(OFF_PLANES[0] * geometry->size, spacings))
     {
         verdict->doubt = BAT_SURFACE_DOUBT_PLANES;
         verdict->doubt_size = verdict->off_planes;

@@ -557,14 +557,6 @@ static void freeze(area_job *job, edge_place place)
                                  (double)(i - begin) / (double)(last - begin), arc->given + (i % rows) * job->dim);
 }
 
-/// Freeze all edges of a ring.
-static void freeze_ring(area_job *job, size_t ring)
-{
-    for (size_t u = job->graph->first_use[ring]; u < job->graph->first_use[ring + 1]; u++)
-        for (size_t i = 0, arc = job->graph->uses[u].arc; i < job->fine->arcs[arc].count; i++)
-            freeze(job, (edge_place){arc, i});
-}
-
 static bool note_crossing(void *context, edge_place first, edge_place second)
 {
     area_job *job = context;
@@ -616,7 +608,9 @@ static bat_status run(area_job *job, bool tested, double *largest, bat_error *er
         if (status == BAT_OK && tested)
             status = freeze_crossings(job, error);
         if (*largest > AREA_PROMISE && job->keeps_points)
-            freeze_ring(job, ring);
+            for (size_t u = job->graph->first_use[ring]; u < job->graph->first_use[ring + 1]; u++)
+                for (size_t i = 0, arc = job->graph->uses[u].arc; i < job->fine->arcs[arc].count; i++)
+                    freeze(job, (edge_place){arc, i});
         apart = job->frozen == before;
     }
     free(losses);

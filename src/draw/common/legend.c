@@ -150,15 +150,11 @@ void legend_fill_bars(cairo_t *cairo, draw_colour colour)
     cairo_stroke(cairo);
 }
 
-static bool same_look(const legend_item *a, const legend_item *b)
-{
-    return strcmp(a->label, b->label) == 0 && a->mark == b->mark && style_same_line(&a->line, &b->line);
-}
-
 void legend_add(legend_item *items, size_t *count, legend_item item)
 {
     for (size_t i = 0; i < *count; i++)
-        if (same_look(&items[i], &item))
+        if (strcmp(items[i].label, item.label) == 0 && items[i].mark == item.mark &&
+            style_same_line(&items[i].line, &item.line))
             return;
     items[(*count)++] = item;
 }

@@ -160,13 +160,6 @@ static comb_segment place_segment(const draw_view *view, const segment_row *row,
     return placed;
 }
 
-/// Whether segment `a` is too close to segment `b` to be drawn.
-static bool crowded(const comb_segment *a, const comb_segment *b)
-{
-    return hypot(a->foot_x - b->foot_x, a->foot_y - b->foot_y) < FOOT_SPACING &&
-           hypot(a->tip_x - b->tip_x, a->tip_y - b->tip_y) < TIP_SPACING;
-}
-
 /// Draw the segments with sufficient distance, beginning with the first.
 static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const segment_row *row, line_style line,
                                 bat_error *error)
@@ -180,7 +173,9 @@ static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const seg
     for (size_t i = row->first; i < row->end && status == BAT_OK; i++)
     {
         comb_segment placed = place_segment(view, row, i);
-        if (i == row->first || !crowded(&placed, &last))
+        bool crowded = hypot(placed.foot_x - last.foot_x, placed.foot_y - last.foot_y) < FOOT_SPACING &&
+                       hypot(placed.tip_x - last.tip_x, placed.tip_y - last.tip_y) < TIP_SPACING;
+        if (i == row->first || !crowded)
         {
             memcpy(segment, row->segments->points + i * n, n * sizeof(double));
             memcpy(segment + n, row->tips + i * n, n * sizeof(double));

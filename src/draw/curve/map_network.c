@@ -122,14 +122,6 @@ static window window_about(const bat_curve *const *curves, size_t count, double 
     return seen;
 }
 
-static void recentre(const window *seen, double *longitude, double *latitude)
-{
-    double point[3];
-    view_local_point(&seen->view, 0.5 * (seen->low[0] + seen->high[0]), 0.5 * (seen->low[1] + seen->high[1]), point);
-    *longitude = atan2(point[1], point[0]);
-    *latitude = atan2(point[2], hypot(point[0], point[1]));
-}
-
 /// Add margins, and widen the window to an aspect ratio within the limits.
 static void finish_window(map_choice *choice, const window *seen)
 {
@@ -165,7 +157,10 @@ static void choose_window(map_choice *choice, const bat_curve *const *curves, si
         for (int round = 0; round < 3 && !polar; round++)
         {
             window seen = window_about(curves, count, choice->longitude, choice->latitude);
-            recentre(&seen, &choice->longitude, &choice->latitude);
+            double point[3];
+            view_local_point(&seen.view, 0.5 * (seen.low[0] + seen.high[0]), 0.5 * (seen.low[1] + seen.high[1]), point);
+            choice->longitude = atan2(point[1], point[0]);
+            choice->latitude = atan2(point[2], hypot(point[0], point[1]));
         }
     }
     window seen = window_about(curves, count, choice->longitude, choice->latitude);

@@ -48,13 +48,6 @@ static double height_around(insets around, double width, double aspect)
     return fmax(10.0, width - around.left - around.right) * aspect + around.top + around.bottom;
 }
 
-/// The width of a globe beside a map, when both have the height of the box.
-static double globe_share(const bat_curve_picture_options *options, double height)
-{
-    insets globe = globe_insets(options);
-    return height - globe.top - globe.bottom + globe.left + globe.right;
-}
-
 double panel_height(const scene_panel *panel, const bat_curve_picture_options *options, double tallest, double width)
 {
     if (panel->space == VIEW_DISK)
@@ -354,7 +347,9 @@ static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const ba
         return draw_map(cairo, panel, options, box, error);
     if (shown != BAT_CURVE_PROJECTION_BOTH)
         return draw_globe(cairo, panel, options, box, error);
-    double share = fmin(globe_share(options, box[3]), 0.4 * box[2]);
+    insets globe = globe_insets(options);
+    double width = box[3] - globe.top - globe.bottom + globe.left + globe.right; // of a globe as high as the box
+    double share = fmin(width, 0.4 * box[2]);
     double left[4] = {box[0], box[1], share, box[3]};
     double right[4] = {box[0] + share + BETWEEN, box[1], box[2] - share - BETWEEN, box[3]};
     bat_status status = draw_globe(cairo, panel, options, left, error);

@@ -146,15 +146,6 @@ static bool same_space(const scene_panel *a, const scene_panel *b)
     return a->space == b->space && a->point_dim == b->point_dim;
 }
 
-/// The panels that share a frame with panel `index`: *first, …, *end - 1, all in the same space.
-static void sharing(const scene *made, size_t index, size_t *first, size_t *end)
-{
-    bool alone = made->options->own_frames;
-    *first = alone ? index : index - index % made->columns;
-    *end = alone ? index + 1 : *first + made->columns;
-    *end = *end < made->count ? *end : made->count;
-}
-
 static void include_curves(scene_frame *frame, const scene *made, const scene_panel *panel)
 {
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
@@ -266,8 +257,9 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
     scene_frame frame = {.comb_scale = INFINITY};
     box_clear(3, frame.box_low, frame.box_high);
     box_clear(2, frame.low, frame.high);
-    size_t first, end;
-    sharing(made, index, &first, &end);
+    // The panels that share the frame, all in the same space.
+    size_t columns = made->options->own_frames ? 1 : made->columns, first = index - index % columns;
+    size_t end = first + columns < made->count ? first + columns : made->count;
     for (size_t i = first; i < index; i++)
         if (same_space(panel, &made->panels[i]))
         {

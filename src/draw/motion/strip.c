@@ -123,14 +123,6 @@ static void draw_pose(cairo_t *cairo, const pose_view *pose)
             draw_axis(cairo, pose, a, BLOCK[a]);
 }
 
-/// A time with the digits that tell poses apart.
-static void write_time(double time, double step, char *text, size_t size)
-{
-    int decimals = step > 0 ? (int)fmin(fmax(2 - floor(log10(step)), 0), 9) : 3;
-    bool plain = fabs(time) < 1e6 && step > 1e-7;
-    (void)snprintf(text, size, plain ? "%.*f" : "%.*g", plain ? decimals : 6, time + 0.0);
-}
-
 bat_status strip_draw(const film *shown, cairo_t *cairo, const double box[4], bat_error *error)
 {
     size_t poses = poses_of(shown), columns = columns_of(shown), rows = rows_of(shown);
@@ -141,6 +133,7 @@ bat_status strip_draw(const film *shown, cairo_t *cairo, const double box[4], ba
         const film_track *track = &shown->tracks[k];
         double begin = track->times[0], end = track->times[track->count - 1];
         double step = poses > 1 ? (end - begin) / (double)(poses - 1) : 0;
+        int decimals = step > 0 ? (int)fmin(fmax(2 - floor(log10(step)), 0), 9) : 3; // tell poses apart
         for (size_t i = 0; i < poses; i++)
         {
             char text[64];
@@ -155,7 +148,8 @@ bat_status strip_draw(const film *shown, cairo_t *cairo, const double box[4], ba
                               .scale = 0.5 * fmin(cell, height) / CELL_EXTENT};
             look_at(quaternion, &pose);
             draw_pose(cairo, &pose);
-            write_time(time, step, text, sizeof text);
+            bool plain = fabs(time) < 1e6 && step > 1e-7;
+            (void)snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", plain ? decimals : 6, time + 0.0);
             style_use_colour(cairo, COLOUR_MUTED);
             text_draw_fitted(cairo, text, TEXT_TICK, false, pose.x, top + height + LABEL_SPACE - 3, cell);
         }

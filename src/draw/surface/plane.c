@@ -62,15 +62,6 @@ void dot_draw(const dot_image *image, double x, double y, double radius, draw_co
 
 static const draw_colour COLOUR_PARAMETER = {0.36, 0.60, 0.82};
 
-/// The square in the centre of a box, as (x, y, side).
-static void place_square(const double box[4], double square[3])
-{
-    double room = LABEL_ROOM + DOT_ROOM;
-    square[2] = fmax(fmin(box[2] - 2 * room, box[3] - room), 1);
-    square[0] = box[0] + 0.5 * (box[2] - square[2]);
-    square[1] = box[1] + DOT_ROOM + fmax(0, 0.5 * (box[3] - room - square[2]));
-}
-
 /// Dots at a row's parameters, in an image with a margin around the square.
 typedef struct plane_dots
 {
@@ -151,9 +142,10 @@ static void draw_frame(cairo_t *cairo, const double square[3])
 bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
                               bat_error *error)
 {
-    double square[3];
+    double room = LABEL_ROOM + DOT_ROOM, side = fmax(fmin(box[2] - 2 * room, box[3] - room), 1);
+    const double square[3] = {box[0] + 0.5 * (box[2] - side), box[1] + DOT_ROOM + fmax(0, 0.5 * (box[3] - room - side)),
+                              side};
     bat_status status = BAT_OK;
-    place_square(box, square);
     if (row->panel->cloud != NULL && row->panel->parameters != NULL)
         status = draw_dots(row, cairo, square, per_point, error);
     if (row->panel->surface != NULL)

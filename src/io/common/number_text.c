@@ -278,18 +278,13 @@ static double scale_by_two(uint64_t mantissa, int exponent)
     return (double)mantissa * power;
 }
 
-/// 5^exponent for 0 <= exponent <= 27: the odd part of a power of ten, or of the product of two.
-static uint64_t power_of_five(int exponent)
-{
-    int low = exponent > MAX_POWER ? MAX_POWER : exponent, high = exponent - low;
-    return ((uint64_t)number_power_of_ten(low) >> low) * ((uint64_t)number_power_of_ten(high) >> high);
-}
-
 /// `mantissa` * 10^exponent for -27 <= exponent <= 27. The product or quotient with 5^27 has at least 62 exact bits. Its
 /// last bit is set when there is a remainder, so it rounds like the exact value.
 static double convert_wide(uint64_t mantissa, int exponent)
 {
-    uint64_t five = power_of_five(exponent < 0 ? -exponent : exponent);
+    int power = abs(exponent), first = power > MAX_POWER ? MAX_POWER : power, second = power - first;
+    // 5^power: the odd part of a power of ten, or of the product of two.
+    uint64_t five = ((uint64_t)number_power_of_ten(first) >> first) * ((uint64_t)number_power_of_ten(second) >> second);
     int shift = __builtin_clzll(mantissa);
     mantissa <<= shift;
     if (exponent >= 0)

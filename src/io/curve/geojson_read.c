@@ -536,13 +536,6 @@ void geojson_made_pad(const char *at, const char **counted, text_buffer *geojson
             text_append_string(geojson, "\n");
 }
 
-static bool fits_degrees(const geojson_made *made)
-{
-    static const double HALF_TURN = 180, QUARTER_TURN = 90;
-    return made->low[0] >= -HALF_TURN && made->high[0] <= HALF_TURN && made->low[1] >= -QUARTER_TURN &&
-           made->high[1] <= QUARTER_TURN;
-}
-
 /// Tell what the file lets open. False when out of memory.
 static bool note_space(const geojson_made *made, bool degrees, bat_curve_attributes *attributes)
 {
@@ -557,7 +550,8 @@ bat_status geojson_made_read(const geojson_made *made, text_buffer *geojson, bat
                              const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
     bat_curve_read_options rest = *options;
-    bool guessed = made->srid == 0 && options->space == NULL, degrees = fits_degrees(made);
+    bool guessed = made->srid == 0 && options->space == NULL;
+    bool degrees = made->low[0] >= -180 && made->high[0] <= 180 && made->low[1] >= -90 && made->high[1] <= 90;
     char end[96] = "]}";
     if (made->srid != 0)
         (void)snprintf(end, sizeof end, "],\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"EPSG:%d\"}}}", made->srid);

@@ -130,13 +130,6 @@ static bat_status find_fault(const flat_rings *flat, fault_search *search, bat_e
     return edge_pairs_find(flat->rings, flat->count, 0, EDGE_PAIRS_ARCS, 1, note_fault, search, error);
 }
 
-/// Whether an edge passes a place, or begins there.
-static bool passes_by(const double *p, const double *q, const double *place, double apart)
-{
-    double square = apart * apart;
-    return segment_squared(p, q, place, 2, 1) <= square && point_squared(q, place, 2, 1) > square;
-}
-
 /// Whether a ring leads there and back along a line, or touches itself at a fault of what became of it. Rounding can keep
 /// the two ways apart, on the globe by two units.
 static bool nearly_touches(const flat_rings *flat, bool globe, const fault_search *fault)
@@ -157,9 +150,11 @@ static bool nearly_touches(const flat_rings *flat, bool globe, const fault_searc
             double longer = fmax(hypot(to[0], to[1]), hypot(from[0], from[1]));
             if (vector_dot(2, to, from) > 0 && fabs(vector2_turn(tip, p, q)) <= apart * longer)
                 return true;
+            double square = 4 * apart * apart;
             for (size_t k = 0; k < 4; k++)
             {
-                passes[k] += passes_by(tip, q, fault->ends[k], 2 * apart);
+                const double *place = fault->ends[k];
+                passes[k] += segment_squared(tip, q, place, 2, 1) <= square && point_squared(q, place, 2, 1) > square;
                 if (passes[k] > 1)
                     return true;
             }

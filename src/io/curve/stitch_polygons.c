@@ -669,15 +669,6 @@ static bool make_group(polygon_job *job, size_t begin, size_t count, stitch_path
     return true;
 }
 
-/// Append a given polygon as it is.
-static void keep_polygon(const polygon_job *job, size_t polygon, size_t first_ring, stitch_geometry *made)
-{
-    const stitch_geometry *geometry = job->edges.geometry;
-    for (size_t i = 0; i < geometry->polygons[polygon].rings; i++)
-        made->origins[made->count++] = (stitch_origin){.part = first_ring + i};
-    made->polygons[made->polygon_count++] = geometry->polygons[polygon];
-}
-
 /// Make all polygons, in the order of their first parts.
 static bool make_polygons(polygon_job *job, stitch_geometry *made, stitch_report *report)
 {
@@ -689,8 +680,10 @@ static bool make_polygons(polygon_job *job, stitch_geometry *made, stitch_report
     {
         size_t group = stitch_edges_group(&job->edges, i);
         group_fate fate = (group_fate)job->fates[group];
+        for (size_t r = 0; fate != FATE_STITCHED && r < geometry->polygons[i].rings; r++)
+            made->origins[made->count++] = (stitch_origin){.part = first_ring + r};
         if (fate != FATE_STITCHED)
-            keep_polygon(job, i, first_ring, made);
+            made->polygons[made->polygon_count++] = geometry->polygons[i];
         first_ring += geometry->polygons[i].rings;
         if (fate == FATE_STITCHED && group != i)
         {

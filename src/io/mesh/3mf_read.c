@@ -191,13 +191,6 @@ static bool read_numbers(reader_3mf *reader, const char *name, const char *text,
            FAIL(reader, BAT_BAD_FILE, "the attribute '%s' has more than %zu numbers", name, count);
 }
 
-static bool read_transform(reader_3mf *reader, const XML_Char **attributes, affine *to)
-{
-    const char *text = xml_attribute(attributes, "transform");
-    *to = (affine){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
-    return text == NULL || read_numbers(reader, "transform", text, 12, to->m[0]);
-}
-
 /// A copy of a name; null for an empty or missing one, and when out of memory, which is then the failure.
 static char *copy_name(reader_3mf *reader, const char *name)
 {
@@ -271,13 +264,6 @@ static void begin_group(reader_3mf *reader, const XML_Char **attributes)
     add_resource(reader, attributes, (resource){.kind = MATERIALS, .index = reader->material_count});
 }
 
-/// The value of an sRGB component from 0 to 255 on the linear scale of glTF.
-static double linear_of(unsigned value)
-{
-    double c = value / 255.0;
-    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-}
-
 /// Read "#RRGGBB" or "#RRGGBBAA".
 static bool read_colour(const char *text, double colour[4])
 {
@@ -287,8 +273,11 @@ static bool read_colour(const char *text, double colour[4])
     unsigned long value = strtoul(text + 1, NULL, 16);
     if (size == 6)
         value = value << 8 | 0xff;
-    for (int k = 0; k < 3; k++)
-        colour[k] = linear_of((unsigned)(value >> (24 - 8 * k)) & 0xff);
+    for (int k = 0; k < 3; k++) // from sRGB to the linear scale of glTF
+    {
+        double c = (double)(value >> (24 - 8 * k) & 0xff) / 255;
+        colour[k] = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+    }
     colour[3] = (double)(value & 0xff) / 255;
     return true;
 }
@@ -408,7 +397,9 @@ static bool read_placed(reader_3mf *reader, const XML_Char **attributes, size_t 
         return FAIL(reader, BAT_BAD_FILE, "the object %zu is placed, but is not defined before", id);
     made->object = found->index;
     reader->objects[found->index].placed = true;
-    return read_transform(reader, attributes, &made->to);
+    const char *text = xml_attribute(attributes, "transform");
+    made->to = (affine){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+    return text == NULL || read_numbers(reader, "transform", text, 12, made->to.m[0]);
 }
 
 static void begin_component(reader_3mf *reader, const XML_Char **attributes)

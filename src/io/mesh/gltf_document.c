@@ -399,12 +399,6 @@ typedef struct accessor
     size_t stride;
 } accessor;
 
-static size_t size_of_type(size_t type)
-{
-    static const size_t SIZES[] = {1, 1, 2, 2, 0, 4, 4}; // from GLTF_INT8 on; there is no type 5124
-    return type >= GLTF_INT8 && type <= GLTF_FLOAT ? SIZES[type - GLTF_INT8] : 0;
-}
-
 /// The number at some bytes, which are little-endian.
 static double number_at(const unsigned char *bytes, number_form form)
 {
@@ -419,10 +413,11 @@ static double number_at(const unsigned char *bytes, number_form form)
 
 static bat_status read_form(const json_t *object, gltf_place place, number_form *form, bat_error *error)
 {
+    static const size_t SIZES[] = {1, 1, 2, 2, 0, 4, 4}; // from GLTF_INT8 on; there is no type 5124
     size_t type = 0;
     bat_status status = gltf_size(object, "componentType", place, &type, error);
     form->type = (gltf_type)type;
-    form->size = size_of_type(type);
+    form->size = type >= GLTF_INT8 && type <= GLTF_FLOAT ? SIZES[type - GLTF_INT8] : 0;
     form->normalized = json_is_true(json_object_get(object, "normalized"));
     if (status == BAT_OK && form->size == 0)
         status = gltf_fault(place, error, "%zu is no 'componentType'", type);

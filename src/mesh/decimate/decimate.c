@@ -69,14 +69,6 @@ typedef struct decimation
     double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
 } decimation;
 
-static void free_all(decimation *all)
-{
-    collapse_mesh_free(&all->mesh);
-    memory_pool_free(&all->pool);
-    bat_mesh_map_free(all->map);
-    free(all);
-}
-
 static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
 {
     all->vertices = memory_pool_array(&all->pool, fine->vertex_count, sizeof *all->vertices);
@@ -530,7 +522,10 @@ static bat_status decimation_run(const bat_mesh *fine, const bat_mesh_decimate_o
         status = finish(fine, all, coarse, error);
     if (status == BAT_OK && map != NULL)
         SWAP(*map, all->map);
-    free_all(all);
+    collapse_mesh_free(&all->mesh);
+    memory_pool_free(&all->pool);
+    bat_mesh_map_free(all->map);
+    free(all);
     return status;
 }
 

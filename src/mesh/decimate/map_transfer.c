@@ -55,13 +55,6 @@ typedef struct texture_transfer
     uint32_t count;
 } texture_transfer;
 
-static void free_transfer(texture_transfer *all)
-{
-    bat_mesh_connectivity_free(&all->connectivity);
-    free(all->first);
-    free(all->next);
-}
-
 /// Allocate the arrays, those of the texture as parts of `refined`.
 static bat_status allocate_texture(const midpoint_mesh *split, texture_transfer *all, bat_mesh *refined, bat_error *error)
 {
@@ -313,7 +306,9 @@ static bat_status map_texture_transfer(const bat_mesh_map *map, const bat_mesh *
     for (size_t f = 0; f < split->face_count && status == BAT_OK; f++)
         status = transfer_face(&all, split, f, error);
     refined->texture_count = all.count;
-    free_transfer(&all);
+    bat_mesh_connectivity_free(&all.connectivity);
+    free(all.first);
+    free(all.next);
     return status;
 }
 

@@ -147,13 +147,6 @@ typedef struct cut
     double normal[3]; ///< towards the triangle; of any length
 } cut;
 
-static double height_above(const cut *plane, const double point[3])
-{
-    double from[3];
-    vector3_subtract(point, plane->point, from);
-    return vector3_dot(plane->normal, from);
-}
-
 /// Find the plane between the triangles at two places, which must share an edge.
 static bool find_cut(const compare_side *onto, uint32_t place, uint32_t other, cut *plane)
 {
@@ -192,7 +185,9 @@ static double bound_by_cut(const piece *part, const compare_side *onto, uint32_t
         return INFINITY;
     for (int c = 0; c < 3; c++)
     {
-        heights[c] = height_above(&plane, part->corners[c]);
+        double from[3];
+        vector3_subtract(part->corners[c], plane.point, from);
+        heights[c] = vector3_dot(plane.normal, from);
         bound = fmax(bound, closest_to_place(&onto->tree, part->corners[c], heights[c] >= 0 ? place : other));
     }
     for (int c = 0; c < 3; c++)

@@ -33,13 +33,6 @@ static inline double soft_sign(double height, double length)
     return ratio(height, sqrt(height * height + floor * floor));
 }
 
-/// Divide by the length; a vector not longer than `min` becomes 0.
-static inline void normalize(double vector[3], double min)
-{
-    double length = vector3_length(vector), factor = length > min && length > DBL_MIN ? 1 / length : 0;
-    vector_scale(3, factor, vector);
-}
-
 static inline const double *place(const learned_geometry *g, uint32_t vertex)
 {
     return g->positions + 3 * (size_t)vertex;
@@ -54,13 +47,6 @@ bool learned_at_boundary(const mesh_flaps *flaps, size_t vertex)
 // Rings
 
 typedef double star_table[TABLED][TABLED];
-
-static void fill_table(star_table table)
-{
-    for (unsigned n = 2; n < TABLED; n++)
-        for (unsigned j = 0; j < n; j++)
-            table[n][j] = butterfly_weight(n, j);
-}
 
 /// The edges of a vertex: vectors, squares and lengths, side by side.
 typedef struct ring_lanes
@@ -164,7 +150,8 @@ static void measure_ring(learned_geometry *g, size_t v)
     g->size[v] = size;
     memcpy(n, sums.normal, sizeof sums.normal);
     // The square of the sum of lengths is at most the valence times the sum of squares.
-    normalize(n, MIN_NORMAL * sqrt((double)(end - begin) * sums.areas));
+    double length = vector3_length(n), min = MIN_NORMAL * sqrt((double)(end - begin) * sums.areas);
+    vector_scale(3, length > min && length > DBL_MIN ? 1 / length : 0, n);
     for (uint32_t f = begin; f < end; f += count)
     {
         count = end - f < RING ? end - f : RING;
@@ -472,7 +459,9 @@ learned_geometry learned_geometry_in(const mesh_flaps *flaps, const double *posi
     size_t vertices = flaps->vertex_count, edges = flaps->edge_count;
     star_table table;
     lay_out(&g, memory);
-    fill_table(table);
+    for (unsigned n = 2; n < TABLED; n++)
+        for (unsigned j = 0; j < n; j++)
+            table[n][j] = butterfly_weight(n, j);
 #pragma omp parallel num_threads(threads_for(threads, edges / CHUNK + 1))
     {
 #pragma omp for schedule(static)

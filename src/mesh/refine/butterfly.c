@@ -34,13 +34,6 @@ static double boundary_weight(unsigned faces, unsigned i, unsigned j)
     return j == 0 ? weight : -weight;
 }
 
-/// The weight of that boundary vertex itself.
-static double boundary_own_weight(unsigned faces, unsigned i)
-{
-    double angle = ANGLE_PI / faces;
-    return 1 - sin(angle) * sin(i * angle) / (faces * (1 - cos(angle)));
-}
-
 typedef struct butterfly_job
 {
     const mesh_rows *rows;
@@ -108,7 +101,8 @@ static void add_boundary(const mesh_rows *rows, uint32_t half_edge, unsigned val
     unsigned i = 0;
     for (uint32_t g = h; g != half_edge; g = bat_mesh_next_around(links, g))
         i++;
-    add_row(rows, share * boundary_own_weight(valence, i), vertex, to, dim);
+    double angle = ANGLE_PI / valence, own = 1 - sin(angle) * sin(i * angle) / (valence * (1 - cos(angle)));
+    add_row(rows, share * own, vertex, to, dim);
     for (unsigned j = 0; j < valence; j++)
     {
         add_row(rows, share * boundary_weight(valence, i, j), mesh_end(faces, h), to, dim);

@@ -129,20 +129,6 @@ static mesh_size size_of(const mesh_sides *sides, const bat_mesh_connectivity *l
                        links->boundary_edge_count};
 }
 
-/// The size after a level of a scheme that splits faces in four.
-static mesh_size size_of_split(mesh_size size)
-{
-    return (mesh_size){size.vertices + size.edges, 2 * size.edges + 3 * size.faces, 4 * size.faces, 12 * size.faces,
-                       2 * size.boundary_edges};
-}
-
-/// The size after a level of a scheme that makes quads.
-static mesh_size size_of_quads(mesh_size size)
-{
-    return (mesh_size){size.vertices + size.edges + size.faces, 2 * size.edges + size.corners, size.corners,
-                       4 * size.corners, 2 * size.boundary_edges};
-}
-
 /// The size after a level of square-root-three subdivision, with or without a trisection of boundary edges.
 static mesh_size size_of_turned(mesh_size size, bool cut)
 {
@@ -157,8 +143,12 @@ static mesh_size size_of_turned(mesh_size size, bool cut)
 static mesh_size size_of_next(const mesh_scheme *scheme, mesh_size size, size_t level)
 {
     if (scheme->polygons)
-        return size_of_quads(size);
-    return scheme->turns ? size_of_turned(size, level % 2 == 1) : size_of_split(size);
+        return (mesh_size){size.vertices + size.edges + size.faces, 2 * size.edges + size.corners, size.corners,
+                           4 * size.corners, 2 * size.boundary_edges};
+    if (scheme->turns)
+        return size_of_turned(size, level % 2 == 1);
+    return (mesh_size){size.vertices + size.edges, 2 * size.edges + 3 * size.faces, 4 * size.faces, 12 * size.faces,
+                       2 * size.boundary_edges};
 }
 
 static bool is_numbered(mesh_size size)

@@ -43,12 +43,6 @@ static void mark_boundary(const mesh_level *level, const bat_mesh *mesh, bool *m
     }
 }
 
-/// The coarse face that a face of a later level comes from.
-static uint32_t ancestor(const mesh_level *level, uint32_t face, size_t levels, bool quads)
-{
-    return quads ? sides_face(&level->sides, face >> 2 * (levels - 1)) : face >> 2 * levels;
-}
-
 static bool has_marked(const mesh_level *level, uint32_t face, const bool *marked)
 {
     for (uint32_t c = sides_begin(&level->sides, face); c < sides_begin(&level->sides, face + 1); c++)
@@ -80,7 +74,8 @@ static void keep_faces(const mesh_level *level, const bool *marked, size_t level
     size_t kept = 0;
     for (uint32_t f = 0; f < fine->face_count; f++)
     {
-        if (has_marked(level, ancestor(level, f, levels, sides == 4), marked))
+        uint32_t coarse = sides == 4 ? sides_face(&level->sides, f >> 2 * (levels - 1)) : f >> 2 * levels;
+        if (has_marked(level, coarse, marked))
             continue;
         memmove(fine->faces + sides * kept, fine->faces + sides * (size_t)f, sides * sizeof *fine->faces);
         if (fine->texture_faces != NULL)
@@ -381,13 +376,6 @@ static bat_status learn_positions(const refinement *work, refined_level *next, b
     return status;
 }
 
-/// Subtract 1 from the sharpness of the corners.
-static void decay_corners(refinement *work)
-{
-    for (size_t v = 0; work->vertex_sharpness != NULL && v < work->coarse->vertex_count; v++)
-        work->vertex_sharpness[v] = sharpness_after_level(work->vertex_sharpness[v]);
-}
-
 /// Make `next` the current level. With `keep` retain the faces and links of the previous one as the parent.
 static void advance(refinement *work, refined_level *next, bool keep)
 {
@@ -448,7 +436,8 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         refined_level_free(&next);
         return status;
     }
-    decay_corners(work);
+    for (size_t v = 0; work->vertex_sharpness != NULL && v < work->coarse->vertex_count; v++)
+        work->vertex_sharpness[v] = sharpness_after_level(work->vertex_sharpness[v]);
     advance(work, &next, !scheme->turns && !last);
     return BAT_OK;
 }

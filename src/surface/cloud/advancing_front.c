@@ -648,14 +648,6 @@ static double loop_length(const front *work, uint32_t edge, size_t *count)
     return length;
 }
 
-/// Split a loop at a point that it visits twice: the half-edges from `first` on until before `second`, and the others.
-static void split_loop(front *work, uint32_t first, uint32_t second)
-{
-    uint32_t before_first = work->edges[first].previous, before_second = work->edges[second].previous;
-    link_edges(work, before_second, first);
-    link_edges(work, before_first, second);
-}
-
 /// Fill a loop: cut off the ear with the shortest new edge, until a triangle is left. False when out of memory, or where no
 /// ear is left.
 static bool fill_loop(front *work, uint32_t edge, bool *filled)
@@ -755,7 +747,10 @@ static bool fill_touching(front *work, uint32_t *outer, double longest, bool *fi
                 break;
             continue;
         }
-        split_loop(work, e, other);
+        // Split the loop at the point that it visits twice.
+        uint32_t before_first = work->edges[e].previous, before_second = work->edges[other].previous;
+        link_edges(work, before_second, e);
+        link_edges(work, before_first, other);
         size_t counts[2];
         double lengths[2] = {loop_length(work, e, &counts[0]), loop_length(work, other, &counts[1])};
         *filled = fmin(lengths[0], lengths[1]) <= MAX_HOLE[counts[lengths[0] >= lengths[1]] <= SMALL_HOLE] * longest;

@@ -192,15 +192,6 @@ static void held_terms(const void *context, size_t row, double *sums)
     sums[3] += weight;
 }
 
-/// The root of the expected squared distance of a new point: a geometric mean of that of held-out points and of generalized
-/// cross-validation, R / N / (1 - T / N)^2. The first is unbiased, the second varies less.
-static double expected_distance(const fit_loop *loop, const double sums[4])
-{
-    if (!(loop->left > 0))
-        return loop->held_rms;
-    return pow(sqrt(sums[2] / sums[3]) / loop->left, 1 - HELD_OUT_SHARE) * pow(loop->held_rms, HELD_OUT_SHARE);
-}
-
 /// Measure the distances of the points that are held out, and take these out of the fit.
 static bat_status measure_held_out(fit_loop *loop, bat_error *error)
 {
@@ -220,7 +211,11 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
         status = team_largest(points->team, &loop->held_largest, 1, error);
     loop->held_rms = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
     loop->left = sums[3] > 0 ? 1 - loop->trace / sums[3] : NAN;
-    loop->expected = expected_distance(loop, sums);
+    // A geometric mean of the distance of held-out points, which is unbiased, and of generalized cross-validation,
+    // R / N / (1 - T / N)^2, which varies less.
+    loop->expected =
+        loop->left > 0 ? pow(sqrt(sums[2] / sums[3]) / loop->left, 1 - HELD_OUT_SHARE) * pow(loop->held_rms, HELD_OUT_SHARE)
+                       : loop->held_rms;
     return status;
 }
 

@@ -95,13 +95,6 @@ void gather_fill_block(const gather_context *gather, const cell_sums *sums, size
     }
 }
 
-static void mirror(size_t side, double *matrix)
-{
-    for (size_t i = 0; i < side; i++)
-        for (size_t j = 0; j < i; j++)
-            matrix[j * side + i] = matrix[i * side + j];
-}
-
 void gather_finish_cell(const gather_context *gather, const cell_sums *sums, double *numbers, double *scratch,
                         double *matrix, double *right)
 {
@@ -115,7 +108,9 @@ void gather_finish_cell(const gather_context *gather, const cell_sums *sums, dou
         return;
     }
     hierarchical_extract_products(space, sums->cell, from, gather->columns, right);
-    mirror(sums->side, numbers);
+    for (size_t i = 0; i < sums->side; i++)
+        for (size_t j = 0; j < i; j++)
+            numbers[j * sums->side + i] = numbers[i * sums->side + j];
     hierarchical_extract_matrix(space, sums->cell, numbers, scratch, matrix);
 }
 

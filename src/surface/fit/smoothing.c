@@ -262,13 +262,6 @@ static bat_status try_weight(weight_workspace *workspace, const fit_weight_searc
     return BAT_OK;
 }
 
-/// The zero of the line through both slopes, kept within 10 to 90 per cent of the bracket.
-static double zero_between(const weight_trial *low, const weight_trial *high)
-{
-    double share = low->regular ? low->slope / (low->slope - high->slope) : 0.5;
-    return low->log_lambda + fmin(fmax(share, 0.1), 0.9) * (high->log_lambda - low->log_lambda);
-}
-
 typedef struct weight_bracket
 {
     double low_limit, high_limit; ///< bounds of log10 lambda
@@ -296,8 +289,11 @@ static bool bracket_next(weight_bracket *bracket, double *log_lambda)
 {
     if (bracket->has_low && bracket->has_high)
     {
-        *log_lambda = zero_between(&bracket->low, &bracket->high);
-        return bracket->high.log_lambda - bracket->low.log_lambda > RESOLUTION;
+        const weight_trial *low = &bracket->low, *high = &bracket->high;
+        // The zero of the line through both slopes, kept within 10 to 90 per cent of the bracket.
+        double share = low->regular ? low->slope / (low->slope - high->slope) : 0.5;
+        *log_lambda = low->log_lambda + fmin(fmax(share, 0.1), 0.9) * (high->log_lambda - low->log_lambda);
+        return high->log_lambda - low->log_lambda > RESOLUTION;
     }
     double from = bracket->has_low ? bracket->low.log_lambda : bracket->high.log_lambda;
     double to =

@@ -76,13 +76,6 @@ void box_tree_free(box_tree *tree)
     *tree = (box_tree){0};
 }
 
-/// The number strictly between a and b that the highest power of two divides.
-static uint64_t roundest_between(uint64_t a, uint64_t b)
-{
-    int digit = 63 - __builtin_clzll(a ^ (b - 1));
-    return (b - 1) >> digit << digit;
-}
-
 /// Cut a leaf that an edge of `area` crosses; along the longer side if both axes qualify.
 static bool cut_leaf(box_tree *tree, uint32_t leaf, const box_tree_area *bounds, const box_tree_area *area)
 {
@@ -92,8 +85,10 @@ static bool cut_leaf(box_tree *tree, uint32_t leaf, const box_tree_area *bounds,
     if (tree->count > UINT32_MAX - 2 || !ARRAY_GROW(tree->nodes, tree->capacity, tree->count + 2))
         return false;
     box_tree_node *node = &tree->nodes[leaf];
-    *node =
-        (box_tree_node){.cut = roundest_between(bounds->low[axis], bounds->high[axis]), .axis = axis, .level = node->level};
+    // Cut at the number strictly between the bounds that the highest power of two divides.
+    uint64_t last = bounds->high[axis] - 1;
+    int digit = 63 - __builtin_clzll(bounds->low[axis] ^ last);
+    *node = (box_tree_node){.cut = last >> digit << digit, .axis = axis, .level = node->level};
     for (int side = 0; side < 2; side++)
     {
         node->child[side] = (uint32_t)tree->count;

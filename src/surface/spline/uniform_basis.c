@@ -10,13 +10,6 @@
 
 #include <string.h>
 
-/// Knot i of a grid with `cells` cells, in units of half a cell.
-static size_t clamped_knot(size_t cells, size_t degree, size_t i)
-{
-    size_t cell = i < degree ? 0 : i - degree;
-    return 2 * (cell > cells ? cells : cell);
-}
-
 /// Insert the midpoints of all cells from left to right. Between insertions, the matrix expresses the coarse functions in
 /// those of the current knots; its rows have 2 cells + degree entries.
 static void insert_middles(size_t cells, size_t degree, double *matrix)
@@ -34,7 +27,7 @@ static void insert_middles(size_t cells, size_t degree, double *matrix)
             double share = 0;
             if (i <= span)
             {
-                size_t lower = i < degree ? 0 : i - degree, upper = clamped_knot(cells, degree, i + degree - cell);
+                size_t lower = i < degree ? 0 : i - degree, upper = 2 * (i - cell < cells ? i - cell : cells);
                 share = (double)(middle - lower) / (double)(upper - lower);
             }
             for (double *entry = matrix + i; entry < matrix + rows * stride; entry += stride)
