@@ -198,6 +198,7 @@ static bool check(void *of)
         {argument(given, "close-gaps") != NULL && !job->options.trim, "--close-gaps goes with --trim"},
         {inspects && (job->call.picture == NULL || job->shell), "--bands and --view go with --picture, without --shell"},
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
+        {argument(given, "crease-angle") != NULL && job->options.trim, "--crease-angle goes with shells, not with --trim"},
         {job->shell && (job->parameters != NULL || job->parameter_file != NULL || argument(given, "functions") != NULL),
          "a shell has patches, not functions and parameters of one square: leave out --shell, or give --patches"},
         {job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO,

@@ -504,6 +504,7 @@ refused 2 'missing' surface
 refused 2 '--tolerance is -1, but must be finite and above 0' surface cloud.in.xyz --tolerance -1
 refused 2 '--tolerance is 0, but must be finite and above 0' surface cloud.in.xyz --tolerance 0
 refused 2 'fill-holes goes with --trim' surface cloud.in.xyz --fill-holes 1
+refused 2 'crease-angle goes with shells' surface cloud.in.xyz --trim --crease-angle 20
 refused 2 'exclude each other' surface cloud.in.xyz --trim --parameterization learned
 refused 2 'unit' surface cloud.in.xyz --unit cubit
 refused 2 "--tolerance is 'x', but must be a finite number" surface cloud.in.xyz --tolerance x
