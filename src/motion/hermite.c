@@ -58,9 +58,8 @@ static bat_status check_tangent(const bat_hermite_curve *curve, size_t index, bo
 {
     const bat_space *space = curve->space;
     const double *point = hermite_point(curve, index), *tangent = hermite_tangent(curve, index);
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        if (!isfinite(tangent[i]))
-            return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent of point %zu is not finite", index);
+    if (!vector_is_finite(space->tangent_dim, tangent))
+        return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent of point %zu is not finite", index);
     if (!is_tangent(space, point, tangent))
         return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent of point %zu is not tangent to the %s", index,
                          space->name);

@@ -120,9 +120,8 @@ static bat_status estimate_at(const estimate *e, size_t index, bat_error *error)
                              neighbour_of(curve, index, offset));
         vector_add(space->tangent_dim, weight, log, tangent);
     }
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        if (!isfinite(tangent[i]))
-            return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent at point %zu is too large for doubles", index);
+    if (!vector_is_finite(space->tangent_dim, tangent))
+        return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent at point %zu is too large for doubles", index);
     return BAT_OK;
 }
 

@@ -180,9 +180,8 @@ static bool is_end(double parameter)
 static bat_status check_point(const bat_surface_fit_data *data, size_t i, size_t number, bat_error *error)
 {
     const double *point = data->points + i * data->dimension, *at = data->parameters + 2 * i;
-    for (size_t k = 0; k < data->dimension; k++)
-        if (!isfinite(point[k]))
-            return error_set(error, BAT_INVALID_POINT, number, 0, "point %zu has a coordinate that is not finite", number);
+    if (!vector_is_finite(data->dimension, point))
+        return error_set(error, BAT_INVALID_POINT, number, 0, "point %zu has a coordinate that is not finite", number);
     if (!(at[0] >= 0 && at[0] <= 1 && at[1] >= 0 && at[1] <= 1))
         return error_set(error, BAT_INVALID_POINT, number, 0,
                          "the parameter (%g, %g) of point %zu is outside the unit square", at[0], at[1], number);
