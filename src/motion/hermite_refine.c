@@ -196,7 +196,7 @@ static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, b
         store_rows(plan, made, count, plan->ends_added ? 1 : 0, fine);
     if (status == BAT_OK && plan->ends_added)
         store_ends(plan, fine);
-    if (status == BAT_OK && fine->closed && fine->times != NULL)
+    if (status == BAT_OK && fine->closed && plan->coarse->times != NULL)
         fine->closing_time = plan->coarse->times[plan->coarse->count - 1] - plan->coarse->times[0] +
                              plan->coarse->closing_time - (fine->times[fine->count - 1] - fine->times[0]);
     free(made);
