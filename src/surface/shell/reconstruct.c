@@ -49,8 +49,8 @@ static const double STIFFER = 4, MAX_FOLDED[2] = {0.001, 0.003}, FOLDED_STIFFER 
 static const double RELAXATION = 0.7;
 /// Least quality of the triangles of a scaffold with creases: flat parts would get slivers.
 static const double MIN_QUALITY = 0.3;
-/// Noise in spacings, from which creases are not looked for.
-static const double MAX_CREASE_NOISE = 0.3;
+/// Noise in spacings, from which creases are not looked for, and the least share by which they bring held-out points nearer.
+static const double MAX_CREASE_NOISE = 0.3, MIN_CREASE_GAIN = 0.01;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
@@ -686,7 +686,7 @@ static bat_status fit_creases(shell_work *work, size_t faces, bool strict, bat_p
     for (int k = 0; k < 2 && status == BAT_OK && !*fitted; k++)
     {
         int nearer = (held[1] < held[0]) != k;
-        if (!(held[nearer] < (1 - MIN_GAIN) * smooth))
+        if (!(held[nearer] < (1 - MIN_CREASE_GAIN) * smooth))
             break;
         work->normals = nearer * NORMALS;
         work->report.held_out = held[nearer];
