@@ -228,8 +228,8 @@ static bat_status find_side(crease_search *work, uint32_t vertex, bat_error *err
 /// The place on two planes that is nearest to another place.
 static void meet_two(const side_plane *a, const side_plane *b, const double place[3], double met[3])
 {
-    double cosine = vector3_dot(a->normal, b->normal), p = a->offset - vector3_dot(a->normal, place),
-           q = b->offset - vector3_dot(b->normal, place), scale = 1 / (1 - cosine * cosine);
+    double cosine = vector3_dot(a->normal, b->normal), p = -height_above(a, place), q = -height_above(b, place),
+           scale = 1 / (1 - cosine * cosine);
     memcpy(met, place, 3 * sizeof *met);
     vector_add(3, (p - cosine * q) * scale, a->normal, met);
     vector_add(3, (q - cosine * p) * scale, b->normal, met);
@@ -306,7 +306,7 @@ static void meet_three(const crease_search *work, size_t face, double met[3])
     }
     for (size_t k = 0; k < 3; k++)
     {
-        rights[k] = planes[k]->offset - vector3_dot(planes[k]->normal, middle);
+        rights[k] = -height_above(planes[k], middle);
         vector3_cross(planes[(k + 1) % 3]->normal, planes[(k + 2) % 3]->normal, products[k]);
     }
     double determinant = vector3_dot(planes[0]->normal, products[0]);
@@ -403,10 +403,9 @@ static bat_status divide_faces(crease_search *work, size_t vertices, size_t adde
                 work->rings[mesh->faces[bat_mesh_next(h)]] = ring + 1;
     for (size_t v = 0; v < work->mesh->vertex_count; v++)
     {
-        const side_plane *side = &work->sides[v];
-        double way = side->offset - vector3_dot(positions + 3 * v, side->normal);
-        if (work->rings[v] > 0 && fabs(way) < MAX_WAY * work->cloud->spacing)
-            vector_add(3, way, side->normal, positions + 3 * v);
+        double height = height_above(&work->sides[v], positions + 3 * v);
+        if (work->rings[v] > 0 && fabs(height) < MAX_WAY * work->cloud->spacing)
+            vector_add(3, -height, work->sides[v].normal, positions + 3 * v);
     }
     for (size_t f = 0; f < count; f++)
         made += divide(work, f, faces + made);
