@@ -226,7 +226,8 @@ static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *
                 if (active[k] % (uint32_t)threads != (uint32_t)t)
                     continue;
                 add_column(pattern, active, count, k, matrix, work->values);
-                vector_add(work->columns, 1, right + k * work->columns, work->right + active[k] * work->columns);
+                if (work->right != NULL)
+                    vector_add(work->columns, 1, right + k * work->columns, work->right + active[k] * work->columns);
             }
         }
 }
