@@ -114,7 +114,7 @@ static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t ste
     return loop->points[index_at(loop, index, step)];
 }
 
-#define POINTS (2 * ARM + 1)
+#define NEIGHBOURS (2 * ARM + 1)
 
 /// Residual of the parabola through the points within ARM steps, in the axes of its chord, or of the circle near them (Kasa
 /// 1976), whichever is less: the arc of a small hole is no parabola.
@@ -127,8 +127,8 @@ static double residual_at(const fair_loop *loop, size_t index)
     const double axis[2] = {(to[0] - from[0]) / length, (to[1] - from[1]) / length};
     for (int circle = 0; circle < 2; circle++)
     {
-        double powers[POINTS][3], heights[POINTS], sum = 0, slope = 1;
-        for (int k = 0; k < POINTS; k++)
+        double powers[NEIGHBOURS][3], heights[NEIGHBOURS], sum = 0, slope = 1;
+        for (int k = 0; k < NEIGHBOURS; k++)
         {
             const double *point = point_at(loop, index, k - ARM);
             double x = (point[0] - origin[0]) / length, y = (point[1] - origin[1]) / length;
@@ -139,14 +139,14 @@ static double residual_at(const fair_loop *loop, size_t index)
             powers[k][2] = circle ? height : t * t;
         }
         // Points that have no parabola keep their sum of squares.
-        bool solved = decompose_least_squares(POINTS, 3, powers[0], heights, NULL) == BAT_OK;
+        bool solved = decompose_least_squares(NEIGHBOURS, 3, powers[0], heights, NULL) == BAT_OK;
         if (circle && !solved)
             break;
-        for (int k = 3; k < POINTS; k++)
+        for (int k = 3; k < NEIGHBOURS; k++)
             sum += heights[k] * heights[k];
         if (circle) // from squares of distances to distances
             slope = sqrt(4 * heights[0] + heights[1] * heights[1] + heights[2] * heights[2]);
-        least = fmin(least, length * sqrt(sum / (POINTS - 3)) / slope);
+        least = fmin(least, length * sqrt(sum / (NEIGHBOURS - 3)) / slope);
     }
     return least;
 }
