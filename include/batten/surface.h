@@ -56,6 +56,17 @@ BAT_API bat_surface_reconstruct_options bat_surface_reconstruct_defaults(void);
 /// Its table, for bat_options_check().
 extern BAT_API const bat_options_table bat_surface_reconstruct_fields;
 
+/// How trimming curves follow the outermost points. docs/surfaces.md describes the ways.
+typedef enum bat_surface_edges
+{
+    BAT_SURFACE_EDGES_AUTO,  ///< through points on the edge; smooth, outside of points at random places (default)
+    BAT_SURFACE_EDGES_EXACT, ///< polygons of the points
+    BAT_SURFACE_EDGES_FAIR   ///< smooth everywhere, as for points at random places
+} bat_surface_edges;
+
+/// The edges by name.
+extern BAT_API const bat_family bat_surface_edges_family;
+
 /// What is wrong with a surface.
 typedef enum bat_surface_fault
 {
@@ -193,6 +204,12 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 ///         bat_surface_model_read() and bat_surface_fit()
 BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
                                            bat_surface_result *result, bat_error *error);
+
+/// bat_surface_reconstruct(), which is this call with BAT_SURFACE_EDGES_AUTO, with other trimming curves.
+/// @param edges others than BAT_SURFACE_EDGES_AUTO go with bat_surface_reconstruct_options::trim
+/// @return those of bat_surface_reconstruct(); BAT_INVALID_ARGUMENT also for edges without a trimmed surface
+BAT_API bat_status bat_surface_reconstruct_edges(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                                 bat_surface_edges edges, bat_surface_result *result, bat_error *error);
 
 /// Simple shapes.
 typedef enum bat_surface_primitive_kind

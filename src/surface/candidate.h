@@ -82,6 +82,7 @@ typedef struct reconstruction
     const bat_surface_reconstruct_options *options;
     double disc; ///< factor of the radius of the disc that finds the boundary
     bool deep;   ///< charts of triangles alone, whose parameters are corrected at the end alone
+    bat_surface_edges edges;
     bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
     size_t kind_count;
     double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown

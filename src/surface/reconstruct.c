@@ -52,6 +52,13 @@ static const bat_choice PARAMETERS[] = {
 };
 const bat_family bat_surface_parameters_family = FAMILY("parameterization", PARAMETERS);
 
+static const bat_choice EDGES[] = {
+    CHOICE("auto", "exact where points are on the edge, else fair", BAT_SURFACE_EDGES_AUTO),
+    CHOICE("exact", "polygons of the outermost points", BAT_SURFACE_EDGES_EXACT),
+    CHOICE("fair", "lines, circles and smooth curves everywhere", BAT_SURFACE_EDGES_FAIR),
+};
+const bat_family bat_surface_edges_family = FAMILY("kind of edges", EDGES);
+
 bat_surface_reconstruct_options bat_surface_reconstruct_defaults(void)
 {
     return (bat_surface_reconstruct_options){
@@ -181,6 +188,7 @@ static bat_status make_trimming(reconstruction *work, bat_error *error)
     if (status != BAT_OK)
         return status;
     work->geometry.area = work->trimming.loops.area;
+    work->trimming.loops.edges = work->edges;
     return use_chart(work, error);
 }
 
@@ -567,9 +575,9 @@ bat_status reconstruction_find(reconstruction *work, bat_error *error)
 /// @param deep      charts of triangles alone, whose parameters are corrected at the end alone
 /// @param one_sided receives whether the points lie on a one-sided surface
 static bat_status reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options, double disc, bool deep,
-                              bat_surface_result *result, bool *one_sided, bat_error *error)
+                              bat_surface_edges edges, bat_surface_result *result, bool *one_sided, bat_error *error)
 {
-    reconstruction work = {.cloud = cloud, .options = options, .disc = disc, .deep = deep};
+    reconstruction work = {.cloud = cloud, .options = options, .disc = disc, .deep = deep, .edges = edges};
     bat_status status = reconstruction_find(&work, error);
     double found = clock_seconds();
     if (status == BAT_OK && !fits_all_points(&work))
@@ -645,8 +653,8 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_reconstr
     bat_status status = prepare_copy(cloud, finds_boundary, way, progress_of_part(&part), &copy, &failure);
     double prepared = clock_seconds() - begin;
     if (status == BAT_OK)
-        status = reconstruct(&copy, options, way == FINE_LOOP ? SURFACE_SMALL_DISC : 1, way != FINE_LOOP, &again, &one_sided,
-                             &failure);
+        status = reconstruct(&copy, options, way == FINE_LOOP ? SURFACE_SMALL_DISC : 1, way != FINE_LOOP,
+                             BAT_SURFACE_EDGES_AUTO, &again, &one_sided, &failure);
     *is_better = status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE && !one_sided &&
                  !(again.verdict.cross_share >= cross);
     if (*is_better)
@@ -698,7 +706,7 @@ static bat_status doubt_area(const bat_cloud *cloud, const bat_surface_reconstru
     trimmed.fit.progress = progress_of_part(&part);
     bat_status status = prepare_copy(cloud, true, FINE_LOOP, trimmed.fit.progress, &copy, &failure);
     if (status == BAT_OK)
-        status = reconstruct(&copy, &trimmed, 1, false, &other, &one_sided, &failure);
+        status = reconstruct(&copy, &trimmed, 1, false, BAT_SURFACE_EDGES_AUTO, &other, &one_sided, &failure);
     bat_surface_verdict *verdict = &result->verdict;
     double more = status == BAT_OK && other.verdict.fault == BAT_SURFACE_FAULT_NONE ? verdict->area - other.verdict.area : 0;
     if (more > LARGER * verdict->area)
@@ -736,17 +744,28 @@ static bool may_help(const bat_cloud *cloud, const bat_surface_reconstruct_optio
 bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
                                    bat_surface_result *result, bat_error *error)
 {
+    return bat_surface_reconstruct_edges(cloud, options, BAT_SURFACE_EDGES_AUTO, result, error);
+}
+
+bat_status bat_surface_reconstruct_edges(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                         bat_surface_edges edges, bat_surface_result *result, bat_error *error)
+{
+    static const option_field FIELD = {"edges", 0, OPTION_CHOICE, 0, 0, &bat_surface_edges_family, NULL};
     const bat_surface_reconstruct_options defaults = bat_surface_reconstruct_defaults();
     bat_surface_result made = {0};
     bat_error failure = {0};
     bool one_sided = false;
     bat_status status = bat_options_check(&bat_surface_reconstruct_fields, options, error);
+    if (status == BAT_OK)
+        status = options_check(&edges, &FIELD, 1, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK && edges != BAT_SURFACE_EDGES_AUTO && !options->trim)
+        status = error_option(error, "edges", "goes with trim, which is not set");
     if (status != BAT_OK)
         return status;
-    options = options != NULL ? options : &defaults;
     bool has_corners = cloud->has_corners, finds_boundary = cloud->boundary_count == 0 && !options->trim &&
                                                             options->parameters != BAT_SURFACE_PARAMETERS_GIVEN;
-    status = reconstruct(cloud, options, 1, false, &made, &one_sided, &failure);
+    status = reconstruct(cloud, options, 1, false, edges, &made, &one_sided, &failure);
     bool is_right = status == BAT_OK && made.verdict.fault == BAT_SURFACE_FAULT_NONE;
     bool doubtful = is_right && made.verdict.cross_share > DOUBTFUL_CROSS, is_better = false;
     bool goes_on = (!is_right || doubtful) && !has_corners && (status == BAT_OK || status == BAT_NO_CONVERGENCE);

@@ -130,6 +130,18 @@ static bat_cloud cloud_of(const plane_shape *shape, size_t count, bool edges, bo
     return cloud;
 }
 
+static bat_surface_result must_trim_along(bat_cloud *cloud, bat_surface_edges edges)
+{
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
+    bat_surface_result result = {0};
+    bat_error error = {0};
+    options.trim = true;
+    options.fit.threads = 1;
+    if (bat_surface_reconstruct_edges(cloud, &options, edges, &result, &error) != BAT_OK)
+        fail_msg("%s: %s", bat_choice_name(&bat_surface_edges_family, (int)edges), error.text);
+    return result;
+}
+
 static bat_surface_result must_trim(bat_cloud *cloud, double fill)
 {
     bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
@@ -408,6 +420,165 @@ static void round_holes_have_their_radii(void **state)
     double mean = sum / (double)count, scatter = sqrt(squares / (double)count);
     if (3 * count < 2 * seeds * plate->hole_count || fabs(mean) > 0.03 || scatter > 0.06)
         fail_msg("%zu circles, off by %.3f of a spacing, with a scatter of %.3f", count, mean, scatter);
+}
+
+/// A grid over a plate, its sides included, with points on the edge of a round hole.
+static bat_cloud grid_with_hole(const double hole[3])
+{
+    enum
+    {
+        SPANS = 32
+    };
+    bat_cloud cloud = {0};
+    double spacing = 3. / SPANS;
+    size_t steps = (size_t)(2 * PI * hole[2] / spacing);
+    for (int i = 0; i <= SPANS; i++)
+        for (int j = 0; j <= SPANS; j++)
+            if (hypot(i * spacing - hole[0], j * spacing - hole[1]) > hole[2] + spacing / 2)
+                add_lifted(&cloud, i * spacing, j * spacing, false);
+    for (size_t k = 0; k < steps; k++)
+    {
+        double angle = 2 * PI * (double)k / (double)steps;
+        add_lifted(&cloud, hole[0] + hole[2] * cos(angle), hole[1] + hole[2] * sin(angle), false);
+    }
+    return cloud;
+}
+
+/// All bytes of a trimmed surface are those of another one.
+static void check_same_surface(const bat_surface_result *a, const bat_surface_result *b, size_t count)
+{
+    const bat_spline_trim *p = &a->surface.trim, *q = &b->surface.trim;
+    size_t functions = bat_hierarchical_space_functions(a->surface.space);
+    assert_int_equal(functions, bat_hierarchical_space_functions(b->surface.space));
+    assert_memory_equal(a->surface.control, b->surface.control, 3 * functions * sizeof(double));
+    assert_memory_equal(a->parameters, b->parameters, 2 * count * sizeof(double));
+    assert_int_equal(p->loop_count, q->loop_count);
+    assert_memory_equal(p->loops, q->loops, (p->loop_count + 1) * sizeof *p->loops);
+    for (size_t i = 0; i < p->loops[p->loop_count]; i++)
+    {
+        const bat_knot_vector *knots = &p->pieces[i].knots;
+        assert_int_equal(knots->degree, q->pieces[i].knots.degree);
+        assert_int_equal(knots->count, q->pieces[i].knots.count);
+        assert_memory_equal(knots->knots, q->pieces[i].knots.knots, knots->count * sizeof(double));
+        assert_memory_equal(p->pieces[i].control, q->pieces[i].control, 2 * knot_vector_functions(knots) * sizeof(double));
+    }
+}
+
+/// Corners of polygons are the parameters of points.
+static void check_polygons(const bat_surface_result *result, size_t count)
+{
+    const bat_spline_trim *trim = &result->surface.trim;
+    for (size_t i = 0; i < trim->loops[trim->loop_count]; i++)
+    {
+        const bat_spline_curve *piece = &trim->pieces[i];
+        assert_int_equal(piece->knots.degree, 1);
+        for (size_t c = 0; c < knot_vector_functions(&piece->knots); c++)
+        {
+            double least = INFINITY;
+            for (size_t k = 0; k < count; k++)
+                least = fmin(least, hypot(piece->control[2 * c] - result->parameters[2 * k],
+                                          piece->control[2 * c + 1] - result->parameters[2 * k + 1]));
+            assert_true(least < 1e-14);
+        }
+    }
+}
+
+/// Edges as they are chosen, their areas and kinds: splines, lines and circles.
+static void edges_are_chosen(void **state)
+{
+    (void)state;
+    static const double HOLE[3] = {1.43, 1.52, 0.6};
+    for (int random = 0; random < 2; random++)
+    {
+        bat_cloud cloud = random ? cloud_of(&SHAPES[3], POINTS, false, false, 4) : grid_with_hole(HOLE);
+        bat_surface_result usual = must_trim(&cloud, 0);
+        double areas[3];
+        size_t kinds[3][3];
+        for (int edges = BAT_SURFACE_EDGES_AUTO; edges <= BAT_SURFACE_EDGES_FAIR; edges++)
+        {
+            bat_surface_result result = must_trim_along(&cloud, (bat_surface_edges)edges);
+            bat_surface_primitive shape;
+            check_status(bat_surface_find_primitive(&cloud, &result, &shape, NULL), BAT_OK);
+            check_status(
+                bat_surface_write_shape("edges.step", &result.surface, &shape, NULL, kinds[edges], &areas[edges], NULL),
+                BAT_OK);
+#ifdef CAD_READER
+            check_by_reader("edges.step", areas[edges], 1e-4);
+#endif
+            if (edges == BAT_SURFACE_EDGES_AUTO)
+                check_same_surface(&usual, &result, cloud.count);
+            if (edges == BAT_SURFACE_EDGES_EXACT)
+                check_polygons(&result, cloud.count);
+            bat_surface_result_free(&result);
+        }
+        assert_true(kinds[BAT_SURFACE_EDGES_AUTO][2] > 0);
+        assert_int_equal(kinds[BAT_SURFACE_EDGES_FAIR][2], kinds[BAT_SURFACE_EDGES_AUTO][2]);
+        assert_int_equal(kinds[BAT_SURFACE_EDGES_EXACT][1] + kinds[BAT_SURFACE_EDGES_EXACT][2], 0);
+        check_near(areas[BAT_SURFACE_EDGES_FAIR], areas[BAT_SURFACE_EDGES_AUTO], 1e-4);
+        double more = areas[BAT_SURFACE_EDGES_EXACT] - areas[BAT_SURFACE_EDGES_AUTO];
+        if (random)
+            assert_true(more < -0.04 * areas[BAT_SURFACE_EDGES_AUTO]);
+        else // a polygon in a circle is smaller
+            check_near(more, (PI - 20 * sin(PI / 20)) * HOLE[2] * HOLE[2], 1e-4);
+        bat_surface_result_free(&usual);
+        bat_cloud_free(&cloud);
+    }
+}
+
+/// Fair edges have fewer functions than those that meet exact points, and their area.
+static void fair_edges_are_smooth(void **state)
+{
+    (void)state;
+    enum
+    {
+        EDGE = 300
+    };
+    bat_random random = bat_random_seed(8);
+    bat_cloud cloud = {0};
+    double spacing = 2 * PI / EDGE;
+    for (int i = 0; i < EDGE; i++)
+    {
+        double angle = i * spacing, radius = 1 + 0.2 * cos(3 * angle);
+        add_point(&cloud, radius * cos(angle), radius * sin(angle), 0);
+    }
+    while (cloud.count < 3 / (spacing * spacing))
+    {
+        double x = 3 * bat_random_uniform(&random) - 1.5, y = 3 * bat_random_uniform(&random) - 1.5;
+        if (hypot(x, y) < 1 + 0.2 * cos(3 * atan2(y, x)) - spacing)
+            add_point(&cloud, x, y, 0);
+    }
+    size_t knots[3];
+    double areas[3];
+    for (int edges = BAT_SURFACE_EDGES_AUTO; edges <= BAT_SURFACE_EDGES_FAIR; edges++)
+    {
+        bat_surface_result result = must_trim_along(&cloud, (bat_surface_edges)edges);
+        knots[edges] = result.surface.trim.pieces[0].knots.count;
+        areas[edges] = result.verdict.area;
+        assert_int_equal(result.surface.trim.loops[1], 1);
+        check_near(areas[edges], PI * 1.02, 2e-3);
+        bat_surface_result_free(&result);
+    }
+    assert_true(knots[BAT_SURFACE_EDGES_FAIR] < knots[BAT_SURFACE_EDGES_AUTO]);
+    assert_true(knots[BAT_SURFACE_EDGES_AUTO] < knots[BAT_SURFACE_EDGES_EXACT]);
+    bat_cloud_free(&cloud);
+}
+
+static void edges_go_with_trim(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[0], 100, true, false, 6);
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
+    bat_surface_result result = {0};
+    for (int edges = BAT_SURFACE_EDGES_EXACT; edges <= BAT_SURFACE_EDGES_FAIR + 1; edges++)
+    {
+        bat_error error = {0};
+        options.trim = edges > BAT_SURFACE_EDGES_FAIR; // which has no name
+        const bat_surface_reconstruct_options *given = edges == BAT_SURFACE_EDGES_EXACT ? NULL : &options;
+        assert_int_equal(bat_surface_reconstruct_edges(&cloud, given, (bat_surface_edges)edges, &result, &error),
+                         BAT_INVALID_ARGUMENT);
+        assert_string_equal(error.option, "edges");
+    }
+    bat_cloud_free(&cloud);
 }
 
 static void small_holes_are_filled(void **state)
@@ -699,6 +870,9 @@ int main(void)
         cmocka_unit_test(plates_are_planes_with_holes),
         cmocka_unit_test(plates_are_simple_shapes_in_step),
         cmocka_unit_test(round_holes_have_their_radii),
+        cmocka_unit_test(edges_are_chosen),
+        cmocka_unit_test(fair_edges_are_smooth),
+        cmocka_unit_test(edges_go_with_trim),
         cmocka_unit_test(small_holes_are_filled),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(curves_go_through_json),

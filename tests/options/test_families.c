@@ -56,6 +56,7 @@ static const struct
     ROW(bat_cloud_sides),
     ROW(bat_cloud_parameterization),
     ROW(bat_surface_parameters),
+    ROW(bat_surface_edges),
     ROW(bat_surface_smoothing),
     ROW(bat_surface_format),
     ROW(bat_surface_unit),

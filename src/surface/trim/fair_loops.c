@@ -72,11 +72,12 @@ typedef struct fair_loop
     memory_pool pool;
     size_t count;
     double (*points)[2];
-    double sides[2];  ///< of the rectangle
-    double spacing;   ///< median of its points
-    double roughness; ///< without the part of the noise
-    double scatter;   ///< with it: the tolerance of lines and circles
-    double offset;
+    double sides[2];     ///< of the rectangle
+    double spacing;      ///< median of its points
+    double roughness;    ///< without the part of the noise
+    double scatter;      ///< with it: the tolerance of lines and circles
+    bool exact;          ///< its points are on the edge
+    double offset;       ///< of the edge; above 0 where the loop is smoothed
     double window;       ///< length on each side of a corner
     bool has_corners;    ///< whether corners can be found
     double *at;          ///< count + 1: length of the loop up to a point
@@ -151,10 +152,9 @@ static double residual_at(const fair_loop *loop, size_t index)
     return least;
 }
 
-/// @param random  whether the points are at random places
 /// @param missing the area outside of the loop, if its points are at random places
-static void measure_loop(fair_loop *loop, const uint32_t *corners, const double *spacing, double noise, bool random,
-                         double missing)
+static void measure_loop(fair_loop *loop, const outline_loops *loops, const uint32_t *corners, const double *spacing,
+                         double noise, double missing)
 {
     double *values = loop->turns; // not yet in use
     for (size_t i = 0; i < loop->count; i++)
@@ -163,7 +163,7 @@ static void measure_loop(fair_loop *loop, const uint32_t *corners, const double 
     for (size_t i = 0; i < loop->count; i++)
         values[i] = loop->count > 2 * ARM ? residual_at(loop, i) : 0;
     double rough = fmin(sort_median(values, loop->count), MAX_ROUGH * loop->spacing);
-    loop->roughness = sqrt(fmax(rough * rough - noise * noise, random ? RANDOM_PART * rough * rough : 0));
+    loop->roughness = sqrt(fmax(rough * rough - noise * noise, loops->random ? RANDOM_PART * rough * rough : 0));
     loop->at[0] = 0;
     for (size_t i = 0; i < loop->count; i++)
     {
@@ -171,12 +171,14 @@ static void measure_loop(fair_loop *loop, const uint32_t *corners, const double 
         loop->at[i + 1] = loop->at[i] + hypot(b[0] - a[0], b[1] - a[1]);
     }
     double length = loop->at[loop->count];
-    loop->offset =
-        loop->roughness > ROUGH * loop->spacing ? fmax(fmin(missing / length, MAX_OFFSET * loop->roughness), DBL_MIN) : 0;
-    loop->scatter = SCATTER[loop->offset > 0] * rough + EXACT * loop->spacing;
-    loop->window = WINDOWS[loop->offset > 0] * loop->spacing;
+    bool fair = loops->edges == BAT_SURFACE_EDGES_FAIR;
+    loop->exact = !(loop->roughness > ROUGH * loop->spacing);
+    loop->offset = loop->exact ? fair * DBL_MIN : fmax(fmin(missing / length, MAX_OFFSET * loop->roughness), DBL_MIN);
+    loop->roughness = fmax(loop->roughness, fair * ROUGH * loop->spacing);
+    loop->scatter = SCATTER[loop->offset > 0] * fmax(rough, fair * ROUGH * loop->spacing) + EXACT * loop->spacing;
+    loop->window = WINDOWS[!loop->exact] * loop->spacing;
     // Windows of short loops are too small to tell the corners of a rough one from its roughness.
-    loop->has_corners = loop->count >= MIN_LOOP && (loop->offset == 0 || loop->window < length / 10);
+    loop->has_corners = loop->count >= MIN_LOOP && (loop->exact || loop->window < length / 10);
     loop->window = fmin(loop->window, length / 16);
 }
 
@@ -350,7 +352,7 @@ static void find_corners(fair_loop *loop)
     {
         double turn = turn_at(loop, i, loop->window);
         bool sharp =
-            fabs(turn) >= MIN_TURNS[loop->offset > 0] && fabs(turn) >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
+            fabs(turn) >= MIN_TURNS[!loop->exact] && fabs(turn) >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
         loop->turns[i] = sharp ? turn : 0;
     }
     for (size_t i = 0; i < loop->count; i++)
@@ -598,11 +600,11 @@ static bool fit_circle(fair_loop *loop, const fair_piece *piece, bat_spline_curv
         }
         for (int d = 0; d < 3 && round < CIRCLE_ROUNDS; d++)
             circle[d] += step[d];
-        bool near = loop->offset > 0 ? sums[0] <= MAX_SQUARE * count * loop->gap * loop->gap : scatters(loop, sums, count);
+        bool near = !loop->exact ? sums[0] <= MAX_SQUARE * count * loop->gap * loop->gap : scatters(loop, sums, count);
         if (round == CIRCLE_ROUNDS && (count < MIN_LOOP || !near))
             return false;
     }
-    if (loop->offset > 0 && !find_edge(loop, -copysign(1, turn), circle))
+    if (!loop->exact && !find_edge(loop, -copysign(1, turn), circle))
         return false;
     *curve = (bat_spline_curve){.dimension = 2, .control = memory_array(2 * SPANS + 2, 2 * sizeof(double))};
     curve->knots = (bat_knot_vector){memory_array(2 * SPANS + 6, sizeof(double)), 2 * SPANS + 6, DEGREE};
@@ -855,7 +857,7 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
         missing += fmax(EDGE - EDGE_NOISE * ratio * ratio, 0) * gap * vector_distance(2, loop->points[i], next);
         loop->gap += gap / (double)count;
     }
-    measure_loop(loop, corners, spacing, noise, loops->random, missing);
+    measure_loop(loop, loops, corners, spacing, noise, missing);
     return BAT_OK;
 }
 
@@ -891,7 +893,8 @@ bat_status fair_loops_make(const outline_loops *loops, const double sides[2], co
     bool crosses = true;
     bat_status status = BAT_OK;
     *trim = (bat_spline_trim){0};
-    for (int way = 0; way < WAYS && status == BAT_OK && crosses; way++)
+    for (int way = loops->edges == BAT_SURFACE_EDGES_EXACT ? POINTS : CURVES; way < WAYS && status == BAT_OK && crosses;
+         way++)
     {
         spline_trim_free(trim);
         status = fit_loops(loops, sides, parameters, points, spacing, noise, way, trim, error);

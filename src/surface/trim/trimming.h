@@ -61,6 +61,7 @@ typedef struct outline_loops
     double area;           ///< of the surface by the density of the points, in units of the scaled cloud
     bat_surface_gap *gaps; ///< gap_count: the holes, and gaps nearly as large, in units of the scaled cloud
     size_t gap_count;
+    bat_surface_edges edges;
 } outline_loops;
 
 /// Find the loops.
@@ -73,7 +74,7 @@ void outline_free(outline_loops *loops);
 
 /// Fit trimming curves to loops. Points inside a patch that was scanned at random places end before the true edge. Their
 /// loops are rough, and the curves lie outside of them by the missing area over their length; round ones become the circles
-/// that all points make likely. Points on the edge are met.
+/// that all points make likely. Points on the edge are met. `edges` of the loops may ask for polygons or smooth curves.
 /// @param sides      of the rectangle that the square stands for, in units of the scaled cloud
 /// @param parameters of the points, points x 2
 /// @param spacing    of the points, in units of the scaled cloud
