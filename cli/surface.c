@@ -18,6 +18,7 @@ typedef struct surface_job
     size_t corners[4];                                    ///< points of the input
     const char *parameters, *model_file, *parameter_file; ///< files; may be null
     bat_surface_reconstruct_options options;
+    bat_surface_edges edges;
     bat_surface_write_options write;
     bool converts; ///< IN is a surface, which is written in another format
     bat_cloud cloud;
@@ -55,6 +56,9 @@ static const option_spec OPTIONS[] = {
      NUMBER(surface_job, options.fill_holes)},
     {"close-gaps", "W", METHOD, 0, "with --trim: close gaps that no circle of a larger diameter fits into",
      NUMBER(surface_job, options.close_gaps)},
+    {"edges", "NAME", METHOD, 0,
+     "with --trim: cut along {}: as the points show, polygons of them, smooth curves; default auto",
+     CHOICE(surface_job, edges, bat_surface_edges_family)},
     {"model", "FILE", METHOD, IS_READ, "learned: a network of your own, a safetensors file", TEXT(surface_job, model_file)},
     {"published", NULL, METHOD, 0, "classical neighbourhoods as published: they may fail",
      FLAG(surface_job, options.published)},
@@ -196,6 +200,7 @@ static bool check(void *of)
         {argument(given, "fill-holes") != NULL && !job->options.trim && !job->shell,
          "--fill-holes goes with --trim or --shell"},
         {argument(given, "close-gaps") != NULL && !job->options.trim, "--close-gaps goes with --trim"},
+        {argument(given, "edges") != NULL && !job->options.trim, "--edges goes with --trim"},
         {inspects && (job->call.picture == NULL || job->shell), "--bands and --view go with --picture, without --shell"},
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
         {argument(given, "crease-angle") != NULL && job->options.trim, "--crease-angle goes with shells, not with --trim"},
@@ -330,7 +335,7 @@ static int reconstruct(surface_job *job)
         options.model = model;
         options.given = given;
         options.fit.progress = report_progress("fitting");
-        bat_status status = bat_surface_reconstruct(&job->cloud, &options, &job->result, report_error());
+        bat_status status = bat_surface_reconstruct_edges(&job->cloud, &options, job->edges, &job->result, report_error());
         code = status != BAT_OK && leads_to_shell(job) ? make_shell(job)
                                                        : report_status(job->call.given, job->call.input, status);
     }
