@@ -235,16 +235,16 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Litera
 @overload
 @takes("bat_surface_reconstruct_options")
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Literal[False], boundary: int = 0,
-                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
-                **settings: Any) -> Surface: ...
+                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", edges: str = "auto",
+                progress: Progress = False, **settings: Any) -> Surface: ...
 @overload
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool | None = None, boundary: int = 0,
-                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
-                **settings: Any) -> Surface | Any: ...
+                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", edges: str = "auto",
+                progress: Progress = False, **settings: Any) -> Surface | Any: ...
 @takes("bat_surface_reconstruct_options")
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool | None = None, boundary: int = 0,
-                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
-                **settings: Any) -> Any:
+                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", edges: str = "auto",
+                progress: Progress = False, **settings: Any) -> Any:
     """Fit a spline surface to the points of a scan: one patch, or a shell of any shape.
 
     Parameters
@@ -263,6 +263,9 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
         The points that become the corners (0, 0), (1, 0), (1, 1) and (0, 1); by default they are found.
     parameters : str or array_like of shape (n, 2)
         How the points get parameters, one of ``choices("surface_parameters")``; or the parameters.
+    edges : str
+        Of a trimmed surface, one of ``choices("surface_edges")``: ``"exact"`` cuts along polygons of the points, ``"fair"``
+        along smooth curves.
     progress : bool or callable
         As of :func:`refine`.
     **settings
@@ -281,15 +284,15 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
     (True, 'none', (2, 3))
     """
     if shell is not None and flag(shell, "shell"):
-        if boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto":
-            raise TypeError("shell: a shell has no boundary, corners and parameters of one square")
+        if boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto" or edges != "auto":
+            raise TypeError("shell: a shell has no boundary, corners and parameters of one square, and no edges to trim")
         return _shell(points, faces, options("bat_shell_reconstruct_options", settings), progress)
     how = options("bat_surface_reconstruct_options", settings)
     how.parameters = lib.BAT_SURFACE_PARAMETERS_GIVEN
     if isinstance(parameters, str):
         how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     try:
-        return _patch(points, faces, boundary, corners, parameters, progress, how)
+        return _patch(points, faces, boundary, corners, parameters, edges, progress, how)
     except BattenError as error:
         outlined, follow = bool(boundary) or corners is not None, options("bat_shell_reconstruct_options", {})
         failure = ffi.new("bat_error *", {"remedy": (error.remedy or "").encode()})
@@ -298,8 +301,10 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
         return _shell(points, faces, follow, progress)
 
 
-def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, progress: Progress, how: Any) -> Surface:
+def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, edges: str, progress: Progress, how: Any) -> Surface:
     """A surface of one patch."""
+    if not isinstance(edges, str):
+        raise TypeError(f"edges: a name is needed, not {edges!r}")
     cloud = ffi.gc(ffi.new("bat_cloud *"), lib.bat_cloud_free)
     if faces is not None or hasattr(points, "faces"):
         mesh = Mesh.of(points, faces)
@@ -326,7 +331,7 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
         how.given = pointer(own)
     result = ffi.new("bat_surface_result *")
     with shown(progress, "fitting"):
-        call(lib.bat_surface_reconstruct, cloud, how, result)
+        call(lib.bat_surface_reconstruct_edges, cloud, how, chosen(family_of("bat_surface_edges"), edges).value, result)
     primitive = ffi.new("bat_surface_primitive *")
     call(lib.bat_surface_find_primitive, cloud, result, primitive)
     surface = _surface(result, _order(cloud), given)

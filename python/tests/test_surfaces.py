@@ -119,6 +119,21 @@ def test_shells_refuse(torus):
     assert caught.value.remedy == "shell"
 
 
+def test_edges_of_a_trimmed_surface_are_chosen(random):
+    plate = random.uniform(size=(1500, 3)) * [3, 2, 0]
+    plate = plate[np.hypot(plate[:, 0] - 1.5, plate[:, 1] - 1) > 0.5]
+    areas = {edges: batten.fit_surface(plate, trim=True, edges=edges).report.verdict.area for edges in ("auto", "exact", "fair")}
+    assert areas["exact"] < 0.98 * areas["auto"] and areas["fair"] == pytest.approx(6 - np.pi / 4, rel=0.01)
+    assert areas["auto"] == batten.fit_surface(plate, trim=True).report.verdict.area
+    assert [row.name for row in batten.choices("surface_edges")] == list(areas)
+    for words, settings in ("edges goes with trim", {"edges": "fair"}), ("'rough'", {"trim": True, "edges": "rough"}):
+        with pytest.raises(batten.InvalidArgument, match=words):
+            batten.fit_surface(plate, **settings)
+    for settings in {"shell": True, "edges": "exact"}, {"trim": True, "edges": 1}:
+        with pytest.raises(TypeError, match="edges"):
+            batten.fit_surface(plate, **settings)
+
+
 def test_simple_shapes_are_told(random):
     """Points on a cylinder tell its radius and its axis; those beside it tell none."""
     angle, height = random.uniform(0, 2, 1500), random.uniform(0, 20, 1500)
