@@ -12,12 +12,13 @@ from batten.maps import smooth
 from batten.measures import measure
 from batten.meshes import Decimation, Mesh, MeshMap, PolygonMesh, _Faces, decimate, refine_mesh
 from batten.motions import Motion
+from batten.scans import read_points
 from batten.spaces import Space, from_lonlat, to_lonlat
 from batten.surfaces import Shell, Surface, cloud_noise, fit_surface
 
 __version__: str = ffi.string(lib.bat_version()).decode()
 __all__ = [
-    "refine", "smooth", "analyze", "measure", "refine_mesh", "decimate", "fit_surface", "cloud_noise", "choices", "from_lonlat", "to_lonlat",
+    "refine", "smooth", "analyze", "measure", "refine_mesh", "decimate", "fit_surface", "cloud_noise", "read_points", "choices", "from_lonlat", "to_lonlat",
     "Analysis", "Curve", "Curves", "Decimation", "Mesh", "MeshMap", "Motion", "PolygonMesh", "Report", "Shell", "Space", "Surface",
     "BattenError", "BattenWarning", "BadFile", "CutLocus", "FileAccess", "InvalidArgument", "InvalidPoint", "NoConvergence",
     "NotManifold", "OutOfMemory", "TooLarge", "Unsupported",

@@ -100,7 +100,7 @@ class _Faces:
         how = options("bat_mesh_read_options", settings)
         how.notes, how.polygons = notes, cls._polygons
         call_on_file(lib.bat_mesh_read, path, how, made)
-        _warn(notes)
+        warn_of(notes)
         return cls._from(made)
 
     @takes("bat_mesh_write_options")
@@ -113,7 +113,7 @@ class _Faces:
             raise ValueError(f"vertex_normals: {len(self.vertices)} rows are needed")
         how.notes, how.vertex_normals = notes, pointer(normals)
         call_on_file(lib.bat_mesh_write, path, self._struct(), how)
-        _warn(notes)
+        warn_of(notes)
 
     @classmethod
     def _from(cls, struct: Any) -> Self:
@@ -445,9 +445,9 @@ def _text(memory: Any) -> Any:
     return None if memory == ffi.NULL else ffi.string(memory).decode(errors="replace")
 
 
-def _warn(notes: Any) -> None:
+def warn_of(notes: Any, stacklevel: int = 3) -> None:
     for i in range(notes.count):
-        warnings.warn(_text(notes.texts[i]), BattenWarning, stacklevel=3)
+        warnings.warn(_text(notes.texts[i]), BattenWarning, stacklevel=stacklevel)
 
 
 def _features(rows: Any, kind: Any) -> NDArray[Any]:

@@ -14,6 +14,7 @@ from batten._core import (BattenError, Floats, Progress, Report, array, call, ch
                           takes, written)  # fmt: skip
 from batten.curves import axes_of, equal
 from batten.meshes import Mesh, PolygonMesh
+from batten.scans import order_of, read_scan
 
 
 class Surface:
@@ -249,8 +250,8 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
 
     Parameters
     ----------
-    points : array_like of shape (n, 3), Mesh or trimesh.Trimesh
-        Scattered points of a patch, or a mesh of it.
+    points : array_like of shape (n, 3), Mesh, trimesh.Trimesh or path
+        Scattered points of a patch, or a mesh of it, or a file of them, as of :func:`read_points`.
     faces : array_like of shape (m, 3), optional
         The triangles of a mesh.
     shell : bool, optional
@@ -283,18 +284,25 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
     >>> surface.report.reached, surface.report.verdict.fault, surface(0.5, [0.25, 0.75]).shape
     (True, 'none', (2, 3))
     """
-    if shell is not None and flag(shell, "shell"):
-        if boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto" or edges != "auto":
-            raise TypeError("shell: a shell has no boundary, corners and parameters of one square, and no edges to trim")
-        return _shell(points, faces, options("bat_shell_reconstruct_options", settings), progress)
-    how = options("bat_surface_reconstruct_options", settings)
+    whole = shell is not None and flag(shell, "shell")
+    outlined = bool(boundary) or corners is not None
+    if whole and (outlined or not isinstance(parameters, str) or parameters != "auto" or edges != "auto"):
+        raise TypeError("shell: a shell has no boundary, corners and parameters of one square, and no edges to trim")
+    how = options("bat_shell_reconstruct_options" if whole else "bat_surface_reconstruct_options", settings)
+    if isinstance(points, (str, os.PathLike)):
+        if faces is not None:
+            raise TypeError("faces: a file has its own")
+        points, faces, leading, four = read_scan(points)
+        boundary, corners = (boundary, corners) if outlined else (leading, four)
+    if whole:
+        return _shell(points, faces, how, progress)
     how.parameters = lib.BAT_SURFACE_PARAMETERS_GIVEN
     if isinstance(parameters, str):
         how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     try:
         return _patch(points, faces, boundary, corners, parameters, edges, progress, how)
     except BattenError as error:
-        outlined, follow = bool(boundary) or corners is not None, options("bat_shell_reconstruct_options", {})
+        follow = options("bat_shell_reconstruct_options", {})
         failure = ffi.new("bat_error *", {"remedy": (error.remedy or "").encode()})
         if shell is not None or not lib.bat_shell_follows(how, outlined, failure, follow):
             raise
@@ -322,7 +330,7 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
         if not cloud.boundary_count:
             call(lib.bat_cloud_find_boundary, cloud)
         call(lib.bat_cloud_set_corners, cloud, pointer(four, "size_t[]"))
-    order = _order(cloud)
+    order = order_of(cloud)
     if not isinstance(parameters, str):
         own = array(parameters, "parameters", 2)
         if len(own) != len(given):
@@ -334,7 +342,7 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
         call(lib.bat_surface_reconstruct_edges, cloud, how, chosen(family_of("bat_surface_edges"), edges).value, result)
     primitive = ffi.new("bat_surface_primitive *")
     call(lib.bat_surface_find_primitive, cloud, result, primitive)
-    surface = _surface(result, _order(cloud), given)
+    surface = _surface(result, order_of(cloud), given)
     surface.report["primitive"] = report(primitive)
     surface._shaped = not (0 < how.fit.tolerance < primitive.largest and surface.report["reached"])
     return surface
@@ -354,13 +362,6 @@ def cloud_noise(points: ArrayLike) -> float:
     cloud = ffi.new("bat_cloud *", {"points": pointer(given), "count": len(given)})
     call(lib.bat_cloud_noise, cloud, sigma)
     return float(sigma[0])
-
-
-def _order(cloud: Any) -> Any:
-    """The index in the input of each point of a cloud."""
-    if cloud.order == ffi.NULL:
-        return np.arange(cloud.count)
-    return np.array(ffi.unpack(cloud.order, cloud.count), np.int64)
 
 
 def _surface(result: Any, order: Any, given: Floats) -> Surface:

@@ -42,6 +42,9 @@ x, y = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, 12), np.linspace(
 surface = batten.fit_surface(np.stack([x, y, x * y], axis=1), tolerance=0.01, degree=[3, 3])
 wide: bool = bool(len(surface.points) > 1000)
 either = batten.fit_surface(np.stack([x, y, x * y], axis=1), shell=wide)
+np.savetxt("scan.xyz", surface.points)
+scan = batten.read_points("scan.xyz", format="xyz", classes=None, strict=True)
+count: int = len(scan)
 step: bytes = surface.to_step()
 try:
     batten.refine(square, levels=70)
