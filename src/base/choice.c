@@ -102,7 +102,7 @@ static const struct
 } HINTS[] = {
     {".gz .bz2 .xz .zst .zip", ", of compressed files"},
     {".laz", ", of compressed LAS files, which laszip and PDAL expand"},
-    {".e57", ", of E57 files, which PDAL and CloudCompare convert to LAS or PLY"},
+    {".e57", ", of E57 files, which batten.read_points in Python reads and CloudCompare converts to PLY"},
 };
 
 bat_status bat_choice_of_path(const bat_family *family, const char *path, bool writes, const bat_choice **choice,

@@ -125,8 +125,8 @@ static bat_status source_read(cloud_source *source, const bat_cloud_read_options
     if (source->text->size >= sizeof e57 - 1 && memcmp(source->text->data, e57, sizeof e57 - 1) == 0)
         return ERROR_UNSUPPORTED(
             error, 0,
-            "E57 is not supported: Debian has no library for it; CloudCompare and the Python package pye57 "
-            "write formats that are");
+            "E57 is not supported: Debian has no library for it; batten.read_points in Python reads it, CloudCompare "
+            "writes formats that are");
     if (how->classes != NULL && source->format != BAT_CLOUD_FORMAT_LAS)
         return ERROR_ARGUMENT(error, "only points of LAS files have classes");
     if (row->read != NULL)

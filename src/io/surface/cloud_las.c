@@ -48,8 +48,8 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
     if ((format & COMPRESSED) != 0)
         return ERROR_UNSUPPORTED(
             error, 0,
-            "the points are compressed (LAZ), which Debian has no library for: laszip, PDAL or the Python package "
-            "laspy[lazrs] write LAS");
+            "the points are compressed (LAZ), which Debian has no library for: batten.read_points in Python reads them, "
+            "laszip and PDAL write LAS");
     if (bytes[AT_MINOR - 1] != 1 || bytes[AT_MINOR] > 4 || format >= POINT_FORMATS)
         return ERROR_UNSUPPORTED(error, 0,
                                  "version %d.%d with point format %zu is not supported, only 1.0 to 1.4 with 0 to 10",
