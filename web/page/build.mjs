@@ -11,6 +11,9 @@ const root = resolve(here, "../..");
 const [engines, out] = process.argv.slice(2);
 const read = (path) => readFileSync(join(root, path), "utf8");
 
+/** The licence of laz-perf, on every Debian. */
+const APACHE = "/usr/share/common-licenses/Apache-2.0";
+
 const choices = (await instantiate(readFileSync(join(engines, "batten.wasm")))).bat_choices();
 
 /** Example data and pictures as one module. */
@@ -43,14 +46,17 @@ async function bundle(entry, format) {
   return result.outputFiles[0].text;
 }
 const inScript = (code) => code.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
-const packed = (name) => deflateRawSync(readFileSync(join(engines, `${name}.wasm`)), { level: 9 }).toString("base64");
+const packedFile = (path) => deflateRawSync(readFileSync(path), { level: 9 }).toString("base64");
+const packed = (name) => packedFile(join(engines, `${name}.wasm`));
 writeFileSync(join(root, "web/npm/packed.mjs"), `export default "${packed("batten")}";\n`);
 const parts = {
   STYLE: readFileSync(join(here, "style.css"), "utf8"),
   ENGINE: packed("page"),
   SCAN: packed("scan"),
+  LAZ: inScript(await bundle("laz.js", "iife")),
+  LASZIP: packedFile(join(root, "web/node_modules/laz-perf/lib/worker/laz-perf.wasm")),
   WORKER: inScript(await bundle("worker.js", "iife")),
-  NOTICES: readFileSync(join(root, "web/npm/NOTICES"), "utf8").replaceAll("</script", ""),
+  NOTICES: `${read("web/npm/NOTICES")}== laz-perf\n\n${readFileSync(APACHE, "utf8")}`.replaceAll("</script", ""),
   MAP: read("examples/data/map.geojson"),
   MAIN: inScript(await bundle("main.js", "iife")),
 };

@@ -1,4 +1,4 @@
-// How the user's own file is read elsewhere: names of files in commands, and Python for files of points, lines and maps.
+// How the user's own file is read elsewhere: names of files in commands, and Python for files of lines and maps.
 
 /** More points than this are read from a file instead of being written out. */
 export const MAX_LITERAL = 60;
@@ -49,14 +49,5 @@ export function longestIn(name, closed) {
   ];
 }
 
-/** The points of a scan: [packages, expression]. */
-export function cloudIn(name, format, layout) {
-  const kind = ending(name);
-  if (kind === ".obj") return [[], `np.array([line.split()[1:4] for line in open(${quoted(name)}) if line.startswith("v ")], dtype=float)`];
-  if (kind === ".las") return [["laspy"], `laspy.read(${quoted(name)}).xyz`];
-  if (kind === ".pcd") return [["open3d"], `np.asarray(open3d.io.read_point_cloud(${quoted(name)}).points)`];
-  if (format === "ply" || kind === ".ply") return [["trimesh"], `np.asarray(trimesh.load(${quoted(name)}, process=False).vertices)`];
-  return [[], loadtxt(name, layout ?? { skip: 0, columns: [0, 1, 2] })];
-}
 /** Import statements in their order. */
 export const imports = (...names) => ["batten", ...new Set(names.flat())].sort().map((name) => `import ${name === "np" ? "numpy as np" : name}`).join("\n");

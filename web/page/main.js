@@ -83,6 +83,7 @@ app.keep = (name, bytes) => files.push({ name, bytes });
 app.file = (number) => files[number - 1] ?? null;
 
 let scans = null;
+let laz = null;
 let kept = false;
 const past = [];
 const future = [];
@@ -235,6 +236,7 @@ $("theme").onclick = () => theme(document.documentElement.dataset.theme === "dar
 $("cancel").onclick = () => {
   app.engine.cancel();
   scans?.cancel();
+  laz?.cancel();
 };
 for (const button of document.querySelectorAll("[data-copy]"))
   button.onclick = async () => {
@@ -283,7 +285,7 @@ async function tabsFor(file) {
   const columns = rows.slice(0, 20).map((line) => line.trim().split(/[\s,;]+/).filter((word) => word !== "").length);
   const wide = (count) => columns.length > 0 && columns.every((number) => number === count);
   if (/^(.PNG|%PDF|GIF8|PK\x03\x04|\xff\xd8\xff|\x1f\x8b)/.test(text) && ending !== ".3mf") return null;
-  if ([".pcd", ".las", ".xyz", ".asc"].includes(ending)) return ["scan"];
+  if ([".pcd", ".las", ".laz", ".xyz", ".asc"].includes(ending)) return ["scan"];
   if ([".stl", ".off", ".gltf", ".glb"].includes(ending)) return ["mesh"];
   if (ending === ".ply") return /element face [1-9]/.test(text) ? ["mesh"] : ["scan"];
   if (ending === ".obj") {
@@ -304,7 +306,7 @@ async function openFile(file, names) {
   kept = false;
   app.clear();
   if (names === null) {
-    app.fail(new Error("this page reads lines, maps, poses, meshes and points: CSV, GeoJSON, GPX, TUM, OBJ, PLY, OFF, STL, glTF, XYZ, PCD, LAS"), file.name);
+    app.fail(new Error("this page reads lines, maps, poses, meshes and points: CSV, GeoJSON, GPX, TUM, OBJ, PLY, OFF, STL, glTF, XYZ, PCD, LAS, LAZ"), file.name);
     kept = true;
     return null;
   }
@@ -363,6 +365,12 @@ async function start() {
   app.scanEngine = async () => {
     await app.ready();
     return (scans ??= new Engine($("worker").textContent, packed("engine-scan"), busy));
+  };
+  /** LAS of the bytes of compressed LAS. */
+  app.expand = async (bytes) => {
+    await app.ready();
+    laz ??= new Engine($("laz").textContent, packed("engine-laz"), busy);
+    return laz.call("expand", { bytes }, "Decompressing");
   };
   app.tables = await app.engine.call("tables", {});
   $("version").textContent = app.tables.version;

@@ -1,7 +1,8 @@
 // Scans: scattered points become a spline surface, or a shell of any shape, judged by the points.
 import samples from "samples";
 import { check, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
-import { cloudIn, imports, layoutOf, quoted, shellName } from "./code.js";
+import { quoted, shellName } from "./code.js";
+import { Cancelled } from "./engine.js";
 import { divider, scene3d } from "./scene.js";
 
 /** Numbers from 0 to 1 that look random and are always the same. */
@@ -37,12 +38,17 @@ const FIRST = { example: "panel", data: 0, kind: "auto", parameters: "auto", tol
 /** The controls of options that lead out of failures. */
 const CONTROLS = { shell: "Surface: shell of any shape", trim: "Surface: trimmed patch", force: "Show it all the same" };
 
+/** Whether a file is compressed LAS. */
+const compressed = (bytes) => bytes.length > 104 && new TextDecoder("latin1").decode(bytes.subarray(0, 4)) === "LASF" && (bytes[104] & 0xc0) !== 0;
+
 export function scanTab(app, section) {
   let state = { ...FIRST };
   let bytes = null;
   let format;
   let file = "scan.xyz";
   let result = null;
+  /** LAS of files that are compressed. */
+  const expanded = new WeakMap();
   let started = false;
   const legend = h("div.legend", {}, "");
   const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "Points and surface; drag to turn, arrow keys turn too" }, legend);
@@ -54,7 +60,10 @@ export function scanTab(app, section) {
   async function compute() {
     bytes ??= text(EXAMPLES[state.example || "panel"][1]());
     try {
-      result = await (await app.scanEngine()).latest("scan", "scan", { bytes, format: format ?? (state.example ? "xyz" : undefined), ...state }, "Fitting a surface");
+      const given = bytes;
+      if (compressed(given) && !expanded.has(given)) expanded.set(given, await app.expand(given));
+      if (given !== bytes) throw new Cancelled("superseded");
+      result = await (await app.scanEngine()).latest("scan", "scan", { bytes: expanded.get(given) ?? given, format: format ?? (state.example ? "xyz" : undefined), ...state }, "Fitting a surface");
       app.clear();
       draw();
       figures();
@@ -126,11 +135,13 @@ export function scanTab(app, section) {
     take({ name: chosen.name, bytes: new Uint8Array(await chosen.arrayBuffer()) });
     Object.assign(state, { example: "", kind: "auto" });
     controls();
-    if (await compute()) {
+    const done = await compute();
+    if (done) {
       state.data = app.keep(file, bytes);
       app.commit();
       return true;
     }
+    if (done === null) return false;
     // The last good state stays.
     ({ bytes, format, file } = last);
     Object.assign(state, last.state);
@@ -179,7 +190,7 @@ export function scanTab(app, section) {
   section.append(
     h("div.column", {}, stage, group("Figures", facts)),
     h("div.side", {},
-      group("Scan", h("div.row", {}, opener("Open file", endings(samples.tables.cloud_format), open), h("button", { type: "button", onclick: () => scene.picture("scan.png", download) }, "PNG")), example.element, h("p.hint", {}, "Drop points in no order: XYZ, CSV, PLY, OBJ, PCD, LAS. Every surface is judged by the points; one that they prove wrong is refused.")),
+      group("Scan", h("div.row", {}, opener("Open file", endings(samples.tables.cloud_format), open), h("button", { type: "button", onclick: () => scene.picture("scan.png", download) }, "PNG")), example.element, h("p.hint", {}, "Drop points in no order: XYZ, CSV, PLY, OBJ, PCD, LAS, LAZ. Every surface is judged by the points; one that they prove wrong is refused.")),
       group("Fit", kind.element, parameters.element, tolerance.element, robust.element, force.element, colour.element),
       group("Download", h("div.row", {}, ...buttons.map(([, button]) => button))),
     ),
@@ -213,6 +224,7 @@ export function scanTab(app, section) {
     },
     inspect: () => ({ state, result }),
     commands() {
+      const las = file.replace(/\.laz$/i, ".las"); // which the program reads
       const shell = result?.kind === "shell";
       const near = result && state.tolerance > 0 ? Number(result.tolerance.toPrecision(3)) : 0;
       const trim = result ? result.kind === "trim" : state.kind === "trim";
@@ -220,14 +232,13 @@ export function scanTab(app, section) {
       const words = [near ? ` --tolerance ${near}` : "", given ? ` --parameterization ${state.parameters}` : "", trim ? " --trim" : "", shell ? " --shell" : "", state.robust && !shell ? " --robust" : "", state.force ? " --force" : ""].join("");
       const fields = (name, fit) => [near ? `${name}.${fit}tolerance = ${near};\n` : "", state.force ? `${name}.force = true;\n` : ""].join("");
       const c = shell
-        ? `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(file)}, NULL, &cloud, &error);\nbat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();\n${fields("options", "")}bat_shell shell;\nif (bat_shell_reconstruct(cloud.points, cloud.count, NULL, &options, &shell, NULL, &error) == BAT_OK)\n    bat_shell_write("surface.step", &shell, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text);`
-        : `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(file)}, NULL, &cloud, &error);\nbat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();\n${fields("options", "fit.")}${given ? `options.parameters = ${enumerator("surface_parameters", state.parameters)};\n` : ""}${trim ? "options.trim = true;\n" : ""}${state.robust ? "options.fit.robust = true;\n" : ""}bat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) == BAT_OK)\n    bat_surface_write("surface.step", &result.surface, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong`;
-      const [packages, read] = cloudIn(file, format, bytes && layoutOf(bytes, 3));
+        ? `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(las)}, NULL, &cloud, &error);\nbat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();\n${fields("options", "")}bat_shell shell;\nif (bat_shell_reconstruct(cloud.points, cloud.count, NULL, &options, &shell, NULL, &error) == BAT_OK)\n    bat_shell_write("surface.step", &shell, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text);`
+        : `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(las)}, NULL, &cloud, &error);\nbat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();\n${fields("options", "fit.")}${given ? `options.parameters = ${enumerator("surface_parameters", state.parameters)};\n` : ""}${trim ? "options.trim = true;\n" : ""}${state.robust ? "options.fit.robust = true;\n" : ""}bat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) == BAT_OK)\n    bat_surface_write("surface.step", &result.surface, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong`;
       const settings = [near ? `, tolerance=${near}` : "", given ? `, parameters="${state.parameters}"` : "", trim ? ", trim=True" : "", state.robust && !shell ? ", robust=True" : "", state.force ? ", force=True" : ""].join("");
       return {
-        shell: `batten surface ${shellName(file)}${words} -o surface.step`,
+        shell: `${las === file ? "" : `laszip -i ${shellName(file)} -o ${shellName(las)}\n`}batten surface ${shellName(las)}${words} -o surface.step`,
         c,
-        python: `${imports("np", packages)}\n\npoints = ${read}\nsurface = batten.fit_surface(points${shell ? ", shell=True" : ""}${settings})\nsurface.write("surface.step")`,
+        python: `import batten\n\npoints = batten.read_points(${quoted(file)})\nsurface = batten.fit_surface(points${shell ? ", shell=True" : ""}${settings})\nsurface.write("surface.step")`,
       };
     },
   };

@@ -1,39 +1,6 @@
-// The engine in its own thread. A message is { id, job, arguments }; an answer is { id, result } or { id, error }, and
-// before it { id, progress } from time to time.
+// The engine in its own thread.
 import { instantiate } from "../npm/engine.mjs";
 import * as jobs from "./jobs.js";
+import { serve } from "./serve.js";
 
-let engine = null;
-
-const unpack = (packed) => new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
-
-/** The memory of all arrays of a result: it moves to the page instead of being copied. */
-function buffersOf(value, found = new Set()) {
-  if (ArrayBuffer.isView(value)) found.add(value.buffer);
-  else if (typeof value === "object" && value !== null) for (const part of Object.values(value)) buffersOf(part, found);
-  return found;
-}
-
-self.onmessage = async ({ data }) => {
-  if (data.binary) {
-    engine = unpack(data.binary).then(instantiate);
-    return;
-  }
-  const { id, job, args } = data;
-  let last = 0;
-  const progress = (fraction) => {
-    const now = performance.now();
-    if (now - last > 50) {
-      last = now;
-      self.postMessage({ id, progress: fraction });
-    }
-    return true;
-  };
-  try {
-    const result = jobs[job](await engine, args, progress);
-    self.postMessage({ id, result }, [...buffersOf(result)]);
-  } catch (error) {
-    const { status = "failure", index = null, line = null, message, curve = null, text, remedy, effect } = error;
-    self.postMessage({ id, error: { status, index, line, message, curve, text, remedy, effect } });
-  }
-};
+serve(instantiate, jobs);

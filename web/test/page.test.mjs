@@ -590,6 +590,35 @@ test("a scan becomes the program's surface", async () => {
   assert.match(await page.$eval("#scan .verdict", (box) => box.textContent), /^Right/);
 });
 
+test("compressed LAS is read as LAS", async () => {
+  await tab("scan");
+  const truth = Array.from({ length: 400 }, (_, i) => {
+    const [x, y] = [(i % 20) / 20 + 0.01 * Math.sin(7 * i), Math.floor(i / 20) / 20 + 0.01 * Math.cos(5 * i)];
+    return [500000 + x, 5400000 + y, 0.3 * Math.sin(2 * x) * Math.cos(1.7 * y)];
+  }).flat();
+  // Records of LAS 1.2, then of 1.4. Points 400 and 401 are noise by their classes.
+  for (const name of ["scan-3.laz", "scan-6.laz"]) {
+    await drop(join(source, "web/test", name));
+    await page.waitForFunction((which) => window.batten.tabs.scan.commands().shell.includes(which) && document.getElementById("progress").hidden, WAIT, name);
+    await until(`result.points.length === 1200 && window.batten.app.file(state.data)?.name === "${name}"`);
+    const points = Object.values(await inspect("[...result.points]"));
+    points.forEach((value, i) => assert.ok(Math.abs(value - truth[i]) < 1.2e-4, `${name}: ${i}: ${value}, not ${truth[i]}`));
+    const { shell, python } = await page.evaluate("window.batten.tabs.scan.commands()");
+    const plain = name.replace("laz", "las");
+    assert.ok(shell.startsWith(`laszip -i ${name} -o ${plain}\nbatten surface ${plain} `), shell);
+    assert.match(python, new RegExp(`^points = batten\\.read_points\\("${name}"\\)$`, "m"));
+    // A file that is cut off is told in one line, and the last good one stays.
+    const content = readFileSync(join(source, "web/test", name));
+    for (const size of [content.length - 200, 1500, 300]) {
+      await drop("cut.laz", content.subarray(0, size));
+      await told(/^batten: cut\.laz: the file is damaged: (its compressed points cannot be read|point \d+ of 402 cannot be decompressed)$/);
+      assert.equal(await inspect("window.batten.app.file(state.data).name"), name);
+      await drop("no.bin", "\0");
+      await told(/^batten: no\.bin: this page reads /);
+    }
+  }
+});
+
 test("a scan tells doubts, holes and gaps in words", async () => {
   const grid = Array.from({ length: 1500 }, (_, i) => {
     const [x, y] = [(i % 50) / 25 - 1 + 0.01 * Math.sin(7 * i), Math.floor(i / 50) / 22 - 0.7 + 0.01 * Math.cos(5 * i)];
