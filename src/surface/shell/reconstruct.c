@@ -28,6 +28,8 @@
 #define ANCHORS 3 ///< of a triangle
 #define UNFOLD_ROUNDS 2
 #define RETRIES 3
+#define SPREADS 4 ///< rounds in which residuals spread among neighbours
+#define WEIGHED 2 ///< layouts that follow residuals
 #define MIN_FACES 40
 #define MESH_POINTS 40000 ///< samples of a mesh
 #define RELAXATIONS 4
@@ -37,8 +39,10 @@
 static const double MIN_GAIN = 0.005;
 /// With stronger smoothing, the share by which they may rise with more faces, and the factor against weak smoothing.
 static const double MAX_LOSS = 0.002, MAX_RISE = 1.015;
-/// Weight of normals in the error of the second layout that is tried.
-static const double NORMALS = 0.3;
+/// Weight of normals in the error of the second layout that is tried, and of those that follow residuals.
+static const double NORMALS = 0.3, WEIGHED_NORMALS = 1;
+/// Largest factor of normals where points are far, and the least share by which it brings held-out points nearer.
+static const double MAX_FACTOR = 4, MIN_WEIGHED_GAIN = 0.01;
 /// Factor of the smoothing by the noise in spacings, of which correction hides a part, and its largest value.
 static const double NOISE_SLOPE = 3, MIN_NOISE = 0.05, MAX_NOISY = 3;
 /// Factor of the smoothing where a shell is wrong, or has more folds for each patch than allowed, and the largest distance
@@ -105,6 +109,7 @@ typedef struct shell_work
     double *creased_points; ///< those with the anchors of the other mesh
     bool sharp;             ///< `mesh` is the one with creases
     bool *held;             ///< count
+    double *squared;        ///< count: squared distances in the last fit on trial
     bool closed;            ///< the mesh of points
     bool folded;            ///< the first fit
     double noise, stiffness;
@@ -432,7 +437,10 @@ static bat_status try_layout(const shell_work *work, size_t faces, double *held,
     if (status == BAT_OK)
         status = fit_trial(&trial, TRIAL_ROUNDS, error);
     if (status == BAT_OK)
+    {
         *held = distance_of(work, &trial.fit, largest);
+        memcpy(work->squared, trial.fit.squared, work->count * sizeof *work->squared);
+    }
     trial_free(&trial);
     return status;
 }
@@ -466,6 +474,85 @@ static bat_status find_faces(const shell_work *work, bat_progress progress, size
     return BAT_OK;
 }
 
+/// Factors for the normals: the root mean square distance of the points around each vertex in the last fit on trial, in the
+/// median of all, from 1 to MAX_FACTOR.
+static bat_status find_factors(const shell_work *work, double *factors, bat_error *error)
+{
+    const bat_mesh *mesh = &work->mesh;
+    size_t vertices = mesh->vertex_count, count = 0;
+    memory_pool pool = {0};
+    double *sums = memory_pool_zeros(&pool, vertices, 2 * sizeof *sums),
+           *next = memory_pool_array(&pool, vertices, 2 * sizeof *next);
+    bat_status status = memory_pool_check(&pool, error);
+    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
+        for (size_t c = 0; c < 3; c++)
+        {
+            const bat_mesh_point *at = &work->closest[i].at;
+            double *sum = sums + 2 * (size_t)mesh->faces[3 * (size_t)at->face + c];
+            sum[0] += at->barycentric[c] * work->squared[i];
+            sum[1] += at->barycentric[c];
+        }
+    for (int round = 0; round < SPREADS && status == BAT_OK; round++)
+    {
+        memcpy(next, sums, 2 * vertices * sizeof *next);
+        for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+        {
+            size_t a = mesh->faces[h], b = mesh->faces[bat_mesh_next(h)];
+            vector_add(2, 1.0 / 6, sums + 2 * a, next + 2 * b);
+            vector_add(2, 1.0 / 6, sums + 2 * b, next + 2 * a);
+        }
+        SWAP(sums, next);
+    }
+    for (size_t v = 0; v < vertices && status == BAT_OK; v++)
+    {
+        factors[v] = sums[2 * v + 1] > 0 ? sqrt(sums[2 * v] / sums[2 * v + 1]) : 0;
+        next[count] = factors[v];
+        count += factors[v] > 0;
+    }
+    double median = count > 0 ? sort_median(next, count) : 1;
+    for (size_t v = 0; v < vertices && status == BAT_OK; v++)
+        factors[v] = fmin(fmax(factors[v] / median, 1), MAX_FACTOR);
+    memory_pool_free(&pool);
+    return status;
+}
+
+static void set_factors(bat_mesh *mesh, const double *factors)
+{
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+        if (vector3_normalize(mesh->channels + 3 * v))
+            vector_scale(3, factors[v], mesh->channels + 3 * v);
+}
+
+/// Try layouts with more faces where the last one left the points far, and keep the best of all.
+static bat_status refine_layout(shell_work *work, size_t faces, double tolerance, double *best, bat_error *error)
+{
+    size_t vertices = work->mesh.vertex_count;
+    double held = INFINITY, largest = 0, normals = work->normals,
+           *tried = memory_pool_array(&work->pool, vertices, sizeof *tried),
+           *kept = memory_pool_array(&work->pool, vertices, sizeof *kept);
+    bat_status status = memory_pool_check(&work->pool, error);
+    for (size_t v = 0; v < vertices && status == BAT_OK; v++)
+        kept[v] = 1;
+    work->normals = WEIGHED_NORMALS;
+    for (int k = 0; k < WEIGHED && status == BAT_OK; k++)
+    {
+        status = find_factors(work, tried, error);
+        if (status == BAT_OK)
+            set_factors(&work->mesh, tried);
+        if (status == BAT_OK)
+            status = try_layout(work, faces, &held, &largest, error);
+        if (status != BAT_OK || !(held < (1 - MIN_WEIGHED_GAIN) * *best) || (tolerance > 0 && largest > tolerance))
+            continue;
+        *best = held;
+        normals = WEIGHED_NORMALS;
+        SWAP(tried, kept);
+    }
+    work->normals = normals;
+    if (status == BAT_OK)
+        set_factors(&work->mesh, kept);
+    return status;
+}
+
 /// Find the number of faces, the smoothing, and whether normals have a part in the layout.
 static bat_status find_layout(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
 {
@@ -487,7 +574,7 @@ static bat_status find_layout(shell_work *work, bat_progress progress, size_t *f
     status = try_layout(work, *faces, &held, &largest, error);
     work->normals = held < (1 - MIN_GAIN) * best && !(tolerance > 0 && largest > tolerance) ? NORMALS : 0;
     work->report.held_out = fmin(held, best);
-    return status;
+    return status == BAT_OK ? refine_layout(work, *faces, tolerance, &work->report.held_out, error) : status;
 }
 
 // The result
@@ -640,6 +727,7 @@ static bat_status place_on_mesh(shell_work *work, bat_error *error)
     double *points = memory_pool_array(&work->pool, all, 3 * sizeof *points);
     work->closest = memory_pool_array(&work->pool, all, sizeof *work->closest);
     work->held = memory_pool_zeros(&work->pool, count, sizeof *work->held);
+    work->squared = memory_pool_array(&work->pool, count, sizeof *work->squared);
     bat_status status = memory_pool_check(&work->pool, error);
     if (status == BAT_OK)
         status = bat_mesh_closest(mesh, work->points, count, work->options->threads, work->closest, error);
