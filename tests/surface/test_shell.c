@@ -550,7 +550,7 @@ static void rows_are_averages(void **state)
     scatter made = torus(2000);
     shell_connection found;
     check_status(shell_connect(made.points, made.count, (bat_progress){0}, &ball, NULL, &found, NULL), BAT_OK);
-    check_status(shell_layout_make(&ball, 60, 0, &layout, NULL), BAT_OK);
+    check_status(shell_layout_make(&ball, 60, false, 0, &layout, NULL), BAT_OK);
     check_status(shell_grid_make(&layout, 3, &grid, NULL), BAT_OK);
     for (size_t row = 0; row < grid.rows.row_count; row++)
     {

@@ -17,8 +17,9 @@
 static const double BEND_COST = 0.5;
 /// Cost from which two triangles stay single: 65 degrees.
 static const double MAX_COST = 1.134464013796314;
-/// Least quality of triangles in the decimation, without and with creases, and cosine of their turn.
-static const double MIN_QUALITY[2] = {0.2, 0.4}, MIN_NORMAL = 0.2;
+/// Least quality of triangles in the decimation, that of meshes with creases where the number of faces is free, and cosine
+/// of their turn.
+static const double MIN_QUALITY = 0.2, CREASE_QUALITY = 0.4, MIN_NORMAL = 0.2;
 
 #define PLACE_STEPS 40 ///< of an iteration that shortens errors to a third
 
@@ -264,14 +265,15 @@ static bat_status mark_creases(layout_builder *builder, bat_error *error)
     return BAT_OK;
 }
 
-bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, double normals, shell_layout *layout, bat_error *error)
+bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, bool exact, double normals, shell_layout *layout,
+                             bat_error *error)
 {
     layout_builder builder = {0};
     shell_layout made = {0};
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
     options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = faces / 2 > 8 ? faces / 2 : 8;
-    options.min_quality = MIN_QUALITY[mesh->crease_count > 0];
+    options.min_quality = mesh->crease_count > 0 && !exact ? CREASE_QUALITY : MIN_QUALITY;
     options.min_normal = MIN_NORMAL;
     options.attributes = normals;
     bat_status status = bat_mesh_decimate(mesh, &options, &builder.coarse, &made.map, error);

@@ -55,6 +55,8 @@ static const double RELAXATION = 0.7;
 static const double MIN_QUALITY = 0.3;
 /// Noise in spacings, from which creases are not looked for, and the least share by which they bring held-out points nearer.
 static const double MAX_CREASE_NOISE = 0.3, MIN_CREASE_GAIN = 0.01;
+/// Largest number of faces with creases, in the number that was given or is the least for a tolerance.
+static const double MAX_EXCESS = 1.5;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
@@ -360,10 +362,16 @@ static void place_on_grid(size_t spans, shell_place *place)
     *place = (shell_place){(uint32_t)((place->face * spans + j) * spans + i), u - (double)i, v - (double)j};
 }
 
+/// Whether the number of faces has a bound: it is given, or the least for a tolerance.
+static bool is_bounded(const shell_work *work)
+{
+    return work->options->faces > 0 || work->options->tolerance > 0;
+}
+
 static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *trial, bat_error *error)
 {
     shell_fit *fit = &trial->fit;
-    bat_status status = shell_layout_make(&work->mesh, faces, work->normals, &trial->layout, error);
+    bat_status status = shell_layout_make(&work->mesh, faces, is_bounded(work), work->normals, &trial->layout, error);
     if (status == BAT_OK)
         status = shell_grid_make(&trial->layout, work->options->spans, &trial->grid, error);
     if (status != BAT_OK)
@@ -427,7 +435,7 @@ static bat_status fit_trial(shell_trial *trial, int rounds, bat_error *error)
 }
 
 /// Fit a layout to some of the points.
-/// @param held    receives the root mean square distance of the others
+/// @param held    receives the root mean square distance of the others; infinity where creases need far more faces
 /// @param largest receives the largest distance of all
 static bat_status try_layout(const shell_work *work, size_t faces, double *held, double *largest, bat_error *error)
 {
@@ -439,6 +447,8 @@ static bat_status try_layout(const shell_work *work, size_t faces, double *held,
     if (status == BAT_OK)
     {
         *held = distance_of(work, &trial.fit, largest);
+        if (work->sharp && is_bounded(work) && (double)trial.layout.face_count > MAX_EXCESS * (double)faces)
+            *held = INFINITY;
         memcpy(work->squared, trial.fit.squared, work->count * sizeof *work->squared);
     }
     trial_free(&trial);

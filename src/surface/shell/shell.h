@@ -124,8 +124,10 @@ typedef struct shell_place
 /// Make a layout from a mesh: decimate it, pair triangles into quads, and split all faces once.
 /// @param mesh    of triangles, manifold; its creases become creases of the layout
 /// @param faces   the wanted number of faces
+/// @param exact   with creases: thinner triangles, for no more faces
 /// @param normals weight of the mesh's channels in the error of the decimation
-bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, double normals, shell_layout *layout, bat_error *error);
+bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, bool exact, double normals, shell_layout *layout,
+                             bat_error *error);
 void shell_layout_free(shell_layout *layout);
 
 /// The places on the layout of points of the mesh.
