@@ -547,10 +547,10 @@ static bat_status refine_layout(shell_work *work, size_t faces, double tolerance
     for (int k = 0; k < WEIGHED && status == BAT_OK; k++)
     {
         status = find_factors(work, tried, error);
-        if (status == BAT_OK)
-            set_factors(&work->mesh, tried);
-        if (status == BAT_OK)
-            status = try_layout(work, faces, &held, &largest, error);
+        if (status != BAT_OK)
+            break;
+        set_factors(&work->mesh, tried);
+        status = try_layout(work, faces, &held, &largest, error);
         if (status != BAT_OK || !(held < (1 - MIN_WEIGHED_GAIN) * *best) || (tolerance > 0 && largest > tolerance))
             continue;
         *best = held;
