@@ -123,17 +123,9 @@ void atomic_keep_rights(int descriptor, const struct stat *about, bool owner)
     (void)fchmod(descriptor, about->st_mode & (owned ? ALL_MODES : RIGHTS));
 }
 
-/// Give the nameless file `descriptor` the name, or with -1 make a file of that name with the rights of `mode`.
-/// @return the file's descriptor; -1 with errno on failure
-static int use_name(const char *name, int descriptor, mode_t mode)
-{
-    if (descriptor < 0)
-        return open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    return atomic_link_nameless(descriptor, name) == 0 ? descriptor : -1;
-}
-
-/// use_name() with a hidden name in the target's folder.
-/// @return as use_name(); `temporary` stays null on failure
+/// Give the nameless file `descriptor` a hidden name in the target's folder, or with -1 make a file there with the rights of
+/// `mode`.
+/// @return the file's descriptor; -1 with errno on failure, where `temporary` stays null
 static int take_name(atomic_file *file, int descriptor, mode_t mode)
 {
     static const int ATTEMPTS = 100;
@@ -146,7 +138,9 @@ static int take_name(atomic_file *file, int descriptor, mode_t mode)
             return -1;
         if (final)
             (void)unlink(name);
-        int named = use_name(name, descriptor, mode);
+        int named = descriptor < 0                                ? open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode)
+                    : atomic_link_nameless(descriptor, name) == 0 ? descriptor
+                                                                  : -1;
         if (named >= 0)
         {
             file->temporary = name;
