@@ -152,12 +152,6 @@ static char *with_ending(const char *path, const char *ending)
 static const char *const COMPANIONS[] = {".shx", ".dbf", ".prj", ".cpg", ".qix", ".sbn", ".sbx", ".qpj"};
 #define COMPANION_COUNT (sizeof COMPANIONS / sizeof *COMPANIONS)
 
-static bool has_companions(const output *file)
-{
-    const char *ending = file->target != NULL ? strrchr(file->target, '.') : NULL;
-    return ending != NULL && strcasecmp(ending, ".shp") == 0;
-}
-
 /// Make one of them; null when out of memory.
 static output *new_companion(const output *file, const char *ending)
 {
@@ -188,7 +182,9 @@ static bool append_all(bat_outputs *outputs, output *file)
 {
     output *companions[COMPANION_COUNT];
     size_t count = 0;
-    while (has_companions(file) && count < COMPANION_COUNT)
+    const char *ending = file->target != NULL ? strrchr(file->target, '.') : NULL;
+    bool shapes = ending != NULL && strcasecmp(ending, ".shp") == 0;
+    while (shapes && count < COMPANION_COUNT)
     {
         companions[count] = new_companion(file, COMPANIONS[count]);
         if (companions[count] == NULL)
