@@ -506,14 +506,6 @@ static double measure_areas(area_job *job, double *losses, size_t *ring)
     return largest;
 }
 
-static bool shares_are_small(const area_job *job)
-{
-    for (size_t a = 0; a < job->graph->arc_count; a++)
-        if (!(fabs(job->arcs[a].share) <= MAX_SHARE))
-            return false;
-    return true;
-}
-
 /// Newton's method from where the points are.
 static bat_status run_newton(area_job *job, double *losses, double *largest, size_t *ring, bat_error *error)
 {
@@ -522,8 +514,9 @@ static bat_status run_newton(area_job *job, double *losses, double *largest, siz
     {
         measure_gains(job);
         solve_shares(job, losses);
-        if (!shares_are_small(job))
-            return BAT_OK;
+        for (size_t a = 0; a < job->graph->arc_count; a++)
+            if (!(fabs(job->arcs[a].share) <= MAX_SHARE))
+                return BAT_OK;
         bat_status status = move_arcs(job, error);
         if (status != BAT_OK)
             return status;

@@ -120,15 +120,6 @@ static void simplified_arcs(simplify_job *job, bat_curve *arcs, double *points)
     }
 }
 
-/// Bring back a point of an edge that meets another, or passes over a part of the map.
-static void bring_back(simplify_job *job, edge_place place)
-{
-    list_rows(job, place.curve);
-    size_t from = job->rows[place.edge], to = job->rows[place.edge + 1];
-    if (to - from > 1)
-        (void)keep_farthest(job, place.curve, from, to);
-}
-
 /// Bring back points of edges that pass over anchors.
 static void search_passed(simplify_job *job, const chart_curves *given, const anchor_grid *anchors)
 {
@@ -174,8 +165,15 @@ static bat_status keep_apart(simplify_job *job, const map_chart *chart, int thre
         if (status == BAT_OK)
             status = met_edges_find(&now, chart, threads, &met, error);
         for (size_t i = met.count; i > 0 && status == BAT_OK; i--) // from the last, as a new row moves those after it
-            if (i == met.count || memcmp(&met.pairs[i].places[0], &met.pairs[i - 1].places[0], sizeof(edge_place)) != 0)
-                bring_back(job, met.pairs[i - 1].places[0]);
+        {
+            edge_place place = met.pairs[i - 1].places[0];
+            if (i < met.count && memcmp(&met.pairs[i].places[0], &met.pairs[i - 1].places[0], sizeof place) == 0)
+                continue;
+            list_rows(job, place.curve);
+            size_t from = job->rows[place.edge], to = job->rows[place.edge + 1];
+            if (to - from > 1)
+                (void)keep_farthest(job, place.curve, from, to);
+        }
         search_passed(job, &given, &anchors);
         met_edges_free(&met);
         chart_curves_free(&now);

@@ -294,14 +294,6 @@ static bat_status find_near(snap_job *job, int threads, bat_error *error)
     return status;
 }
 
-/// Whether an added vertex repeats the one before it.
-static bool repeats(const snap_job *job, size_t i)
-{
-    const added_vertex *p = &job->added[i];
-    return i > 0 && p[-1].curve == p->curve && p[-1].edge == p->edge &&
-           memcmp(p[-1].point, p->point, job->dim * sizeof(double)) == 0;
-}
-
 /// Move a row of a curve to an earlier one.
 static void move_row(bat_curve *curve, size_t *origins, size_t from, size_t to)
 {
@@ -377,7 +369,8 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
         for (; *next < end && job->added[*next].edge == i; ++*next)
         {
             const added_vertex *vertex = &job->added[*next];
-            if (repeats(job, *next))
+            if (*next > 0 && vertex[-1].curve == c && vertex[-1].edge == i &&
+                memcmp(vertex[-1].point, vertex->point, dim * sizeof(double)) == 0) // it is there already
                 continue;
             memcpy(copy->points + row * dim, vertex->point, dim * sizeof(double));
             for (size_t k = 0; k < channels; k++)
