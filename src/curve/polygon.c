@@ -117,14 +117,6 @@ static bat_status point_beyond(const bat_space *space, polygon_end rule, const d
     return reflect(space, end, end + (ptrdiff_t)distance * step, image);
 }
 
-static void wrap(double *points, size_t count, size_t dim, size_t before, size_t after)
-{
-    for (size_t i = 0; i < after; i++)
-        memcpy(points + (count + i) * dim, points + (i % count) * dim, dim * sizeof *points);
-    for (size_t i = 1; i <= before; i++)
-        memcpy(points - i * dim, points + (count - 1 - (i - 1) % count) * dim, dim * sizeof *points);
-}
-
 /// Farther points only tell how a polygon was sampled. Where the space ends before them, the polygon goes back.
 static const int NEAR_POINTS = 8;
 
@@ -146,7 +138,10 @@ bat_status polygon_extend(const bat_space *space, double *points, size_t count, 
     size_t dim = space->point_dim;
     if (closed)
     {
-        wrap(points, count, dim, before, after);
+        for (size_t i = 0; i < after; i++)
+            memcpy(points + (count + i) * dim, points + (i % count) * dim, dim * sizeof *points);
+        for (size_t i = 1; i <= before; i++)
+            memcpy(points - i * dim, points + (count - 1 - (i - 1) % count) * dim, dim * sizeof *points);
         return BAT_OK;
     }
     double *last = points + (count - 1) * dim;

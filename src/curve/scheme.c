@@ -286,14 +286,6 @@ bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *err
 
 // Schemes by name
 
-static bat_mask mask_of(const scheme_row *row, const scheme_settings *s)
-{
-    return row->mask != NULL ? row->mask(s->w)
-           : s->order > 0    ? bat_mask_lane_riesenfeld((size_t)s->order)
-           : s->r > 0        ? bat_mask_corner_cutting(s->r, s->s)
-                             : (bat_mask){0};
-}
-
 static bat_curve_scheme make(const scheme_row *row, const scheme_settings *s)
 {
     bat_curve_scheme made = {.kind = row->kind,
@@ -312,7 +304,10 @@ static bat_curve_scheme make(const scheme_row *row, const scheme_settings *s)
         made.tension = s->w;
     }
     else
-        made.mask = mask_of(row, s);
+        made.mask = row->mask != NULL ? row->mask(s->w)
+                    : s->order > 0    ? bat_mask_lane_riesenfeld((size_t)s->order)
+                    : s->r > 0        ? bat_mask_corner_cutting(s->r, s->s)
+                                      : (bat_mask){0};
     return made;
 }
 
