@@ -410,16 +410,6 @@ static void follow_bends(smooth_fit *f, double flat_deviance)
     (void)deviance(f, f->weight);
 }
 
-/// Take the geometric mean of the weights by restricted likelihood and by cross-validation. The first smooths a curve too
-/// much that is rougher in places than its model, the second too little where noise is correlated.
-static void balance(smooth_fit *f)
-{
-    double likely = f->weight, noise = f->noise, power = log10(likely);
-    (void)minimize(f, cross_validation, power - REACH, power + REACH);
-    f->weight = sqrt(f->weight * likely);
-    f->noise = noise;
-}
-
 /// Whether there is noise with the lengths of the edges for parameters. Equal parameters take uneven points for noisy ones.
 static bool has_noise(smooth_fit *f)
 {
@@ -446,7 +436,12 @@ void smooth_fit_choose(smooth_fit *f)
     if (f->weight == 0)
         return;
     follow_bends(f, value);
-    balance(f);
+    // The geometric mean of the weights by restricted likelihood and by cross-validation. The first smooths a curve too much
+    // that is rougher in places than its model, the second too little where noise is correlated.
+    double likely = f->weight, noise = f->noise, power = log10(likely);
+    (void)minimize(f, cross_validation, power - REACH, power + REACH);
+    f->weight = sqrt(f->weight * likely);
+    f->noise = noise;
 }
 
 void smooth_fit_moves(smooth_fit *f, double *moves)
