@@ -68,14 +68,6 @@ static void measure_path(cairo_t *cairo, double *area, double *perimeter)
     *area += fabs(sum);
 }
 
-/// How much thinner the borders of small polygons are, so that their fills are seen: squares have 4 / s of perimeter.
-static double border_share(double area, double perimeter)
-{
-    static const double SHARE = 0.08, LEAST = 0.2; // of the side of a polygon, and of the usual width
-    double side = perimeter > 0 ? 4 * area / perimeter : LINE_BORDER / SHARE;
-    return fmin(fmax(SHARE * side / LINE_BORDER, LEAST), 1);
-}
-
 /// Fill a polygon, with a clip only where it needs one: SVG files repeat the clip for every path.
 static void fill_polygon(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const bat_curve *const *rings,
                          size_t count, double *area, double *perimeter)
@@ -130,7 +122,10 @@ void map_draw_fills(cairo_t *cairo, draw_view *view, const scene_panel *panel)
         style_use_colour(cairo, style_fill(panel->network.colours[first]));
         fill_polygon(cairo, &coarse, &panel->frame, rings, end - first, &area, &perimeter);
     }
-    view->borders = border_share(area, perimeter);
+    // Borders of small polygons are thinner, so that their fills are seen: squares have 4 / s of perimeter.
+    static const double SHARE = 0.08, LEAST = 0.2; // of the side of a polygon, and of the usual width
+    double side = perimeter > 0 ? 4 * area / perimeter : LINE_BORDER / SHARE;
+    view->borders = fmin(fmax(SHARE * side / LINE_BORDER, LEAST), 1);
     cairo_set_fill_rule(cairo, rule);
 }
 

@@ -2,8 +2,6 @@
 
 #include "base/error.h"
 
-#include <string.h>
-
 /// @file
 /// Strokes through a path simplifier, and coverage masks for lines that remain too long.
 
@@ -54,11 +52,6 @@ path_sink coverage_sink(coverage_map *map)
     return (path_sink){mark_to, map};
 }
 
-static bool marked(const coverage_map *map, size_t row, size_t column)
-{
-    return column < map->columns && (map->words[row * map->stride + column / 64] >> column % 64 & 1u) != 0;
-}
-
 static void coverage_trace(const coverage_map *map, cairo_t *cairo)
 {
     for (size_t row = 0; row < map->rows; row++)
@@ -67,7 +60,7 @@ static void coverage_trace(const coverage_map *map, cairo_t *cairo)
         for (size_t column = 0; column < map->columns; column++)
         {
             size_t first = column;
-            while (marked(map, row, column))
+            while (column < map->columns && (map->words[row * map->stride + column / 64] >> column % 64 & 1u) != 0)
                 column++;
             if (column > first)
                 style_segment(cairo, map->low_x + ((double)first + 0.5) * COVERAGE_CELL, y,

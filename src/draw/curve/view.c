@@ -45,13 +45,6 @@ static void trace_geodesic(const draw_view *view, const double *p, const double 
     trace_arc(view, centre, p, q, path);
 }
 
-static void view_trace_disk(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
-{
-    simplifier_move(path, view_x(view, points[0]), view_y(view, points[1]));
-    for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
-        trace_geodesic(view, points + 2 * (i - 1), points + 2 * (i < count ? i : 0), path);
-}
-
 /// The tolerance of points' lengths on the sphere; it admits single-precision data.
 #define UNIT_TOLERANCE 1e-6
 
@@ -142,7 +135,11 @@ void view_trace(const draw_view *view, const double *points, size_t count, bool 
     else if (side == VIEW_FRONT && (view->kind == VIEW_MAP || view->kind == VIEW_LOCAL))
         view_trace_map(view, points, count, closed, path);
     else if (side == VIEW_FRONT)
-        view_trace_disk(view, points, count, closed, path);
+    {
+        simplifier_move(path, view_x(view, points[0]), view_y(view, points[1]));
+        for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
+            trace_geodesic(view, points + 2 * (i - 1), points + 2 * (i < count ? i : 0), path);
+    }
     simplifier_flush(path);
 }
 
