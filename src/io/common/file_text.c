@@ -11,14 +11,6 @@
 
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
 
-/// Whether a text begins with the byte order mark of UTF-16 and a character of ASCII.
-static bool is_utf16(const file_text *text)
-{
-    const unsigned char *byte = (const unsigned char *)text->data;
-    return text->size >= 4 && ((byte[0] == 0xFF && byte[1] == 0xFE && byte[2] < 0x80 && byte[3] == 0) ||
-                               (byte[0] == 0xFE && byte[1] == 0xFF && byte[2] == 0 && byte[3] < 0x80));
-}
-
 bat_status file_text_bytes(const bat_limits *limits, uintmax_t bytes, bat_error *error)
 {
     if (limits == NULL || limits->bytes == 0 || bytes <= limits->bytes)
@@ -45,7 +37,10 @@ static bat_status text_finish(text_buffer *buffer, const bat_limits *limits, fil
     text->size -= skipped;
     if (skipped > 0)
         memmove(text->data, text->data + skipped, text->size + 1);
-    if (!is_utf16(text))
+    // The byte order mark of UTF-16 and a character of ASCII.
+    const unsigned char *byte = (const unsigned char *)text->data;
+    if (text->size < 4 || !((byte[0] == 0xFF && byte[1] == 0xFE && byte[2] < 0x80 && byte[3] == 0) ||
+                            (byte[0] == 0xFE && byte[1] == 0xFF && byte[2] == 0 && byte[3] < 0x80)))
         return BAT_OK;
     file_text_free(text);
     return ERROR_FILE(error, 1, "the text is UTF-16; save it as UTF-8");
