@@ -69,20 +69,12 @@ static void assign_longitude(const degree_grid *grid, degree_units *shown, degre
         shown->longitude = neighbour.longitude < 0 ? -grid->half_turn : grid->half_turn;
 }
 
-/// The first vertex that is neither on the antimeridian nor at a pole; `count` when there is none.
-static size_t first_ordinary(const degree_grid *grid, const globe_curve *curve)
-{
-    size_t first = 0;
-    while (first < curve->count && (on_pole(grid, curve->shown[first]) || on_meridian(grid, curve->shown[first])))
-        first++;
-    return first;
-}
-
 static void assign_longitudes(const degree_grid *grid, const globe_curve *curve)
 {
     degree_units *shown = curve->shown;
-    size_t count = curve->count;
-    size_t first = first_ordinary(grid, curve);
+    size_t count = curve->count, first = 0;
+    while (first < count && (on_pole(grid, shown[first]) || on_meridian(grid, shown[first])))
+        first++;
     if (first == count)
     {
         for (size_t i = 0; i < count; i++)

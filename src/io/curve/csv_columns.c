@@ -119,15 +119,6 @@ void csv_columns_free(csv_columns *columns)
     *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
 }
 
-/// Assign the next coordinate to a column, if the column exists and has no meaning yet.
-static void place_column(csv_columns *columns, const char *name, size_t *next)
-{
-    column_names names = names_of(columns);
-    size_t column = column_find(&names, name);
-    if (column != BAT_NO_INDEX && columns->places[column] == BAT_NO_INDEX)
-        columns->places[column] = (*next)++;
-}
-
 bool csv_columns_use_form(csv_columns *columns, const point_form *form)
 {
     columns->form = form;
@@ -141,7 +132,12 @@ bool csv_columns_use_form(csv_columns *columns, const point_form *form)
     for (size_t i = 0; i < columns->count; i++)
         columns->places[i] = BAT_NO_INDEX;
     for (const char *const *name = form->names; *name != NULL; name++)
-        place_column(columns, *name, &next);
+    {
+        column_names names = names_of(columns);
+        size_t column = column_find(&names, *name);
+        if (column != BAT_NO_INDEX && columns->places[column] == BAT_NO_INDEX)
+            columns->places[column] = next++;
+    }
     if (next < form->count) // no name is in the header: the columns are in the form's order
         next = 0;
     for (size_t i = 0; i < columns->count; i++)

@@ -449,14 +449,6 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
     return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, builder->point_count * sizeof(double));
 }
 
-/// Take the number of columns from the first row of a file without a header. Empty fields at its end do not count.
-static void count_columns(csv_reader *reader, size_t count)
-{
-    while (count > 1 && reader->fields[count - 1].begin == reader->fields[count - 1].end)
-        count--;
-    reader->column_count = count;
-}
-
 /// A comment, or a header whose first column is called '#'.
 static bool is_comment(const csv_reader *reader, const text_line *line)
 {
@@ -479,8 +471,13 @@ static bat_status read_fields(csv_reader *reader, const text_line *line, size_t 
         status = read_header(reader, line, *count, error);
         *count = 0;
     }
-    else if (reader->column_count == 0)
-        count_columns(reader, *count);
+    else if (reader->column_count == 0) // a first row without a header: empty fields at its end do not count
+    {
+        size_t filled = *count;
+        while (filled > 1 && reader->fields[filled - 1].begin == reader->fields[filled - 1].end)
+            filled--;
+        reader->column_count = filled;
+    }
     return status;
 }
 

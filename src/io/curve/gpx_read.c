@@ -92,12 +92,6 @@ static csv_field trimmed_text(const text_buffer *text)
     return text->size > 0 ? trimmed(text->data, text->data + text->size) : (csv_field){"", ""};
 }
 
-static bool is_blank(const text_buffer *text)
-{
-    csv_field inner = trimmed_text(text);
-    return inner.begin == inner.end;
-}
-
 /// Read longitude and latitude. False after a failure.
 static bool read_position(gpx_reader *reader, const XML_Char **attributes, double position[2])
 {
@@ -217,13 +211,6 @@ static void take_bounds(gpx_reader *reader, text_range tag, const XML_Char **att
         source->bounds = tag;
 }
 
-static void begin_curve(gpx_reader *reader)
-{
-    reader->curve = (gpx_curve){.row = reader->source->row_count, .point = reader->source->point_count};
-    reader->timed = false;
-    reader->late.size = 0;
-}
-
 /// Take the blanks at the end of the frame, before the first point of a curve.
 static void take_indent(gpx_reader *reader)
 {
@@ -250,7 +237,7 @@ static void begin_point(gpx_reader *reader, const char *name, const XML_Char **a
         reader->sink = &reader->first_tag;
         XML_DefaultCurrent(reader->xml.parser);
     }
-    else if (!is_blank(&reader->gap))
+    else if (trimmed_text(&reader->gap).begin != trimmed_text(&reader->gap).end)
         text_append(&reader->late, reader->gap.data, reader->gap.size);
     reader->gap.size = 0;
     reader->points++;
@@ -427,7 +414,11 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
     if (role != ROLE_POINT)
         XML_DefaultCurrent(reader->xml.parser);
     if (role == ROLE_SEGMENT || role == ROLE_ROUTE)
-        begin_curve(reader);
+    {
+        reader->curve = (gpx_curve){.row = reader->source->row_count, .point = reader->source->point_count};
+        reader->timed = false;
+        reader->late.size = 0;
+    }
     if (role == ROLE_OTHER && reader->depth <= 2 && strcmp(plain_name(reader, name), "bounds") == 0)
         take_bounds(reader, (text_range){begin, reader->sink->size}, attributes);
     if (link != NULL && reader->properties != NULL)

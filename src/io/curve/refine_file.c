@@ -153,15 +153,6 @@ static bat_status stream_next(record_stream *stream, bat_error *error)
     return status;
 }
 
-/// Choose the size of the next part by that of the last one's result.
-static void stream_adapt(record_stream *stream, size_t fine_points)
-{
-    double bytes = (double)stream->used * PART_POINTS / (double)(fine_points + 1);
-    double most = 4.0 * (double)stream->wanted;
-    bytes = bytes > most ? most : bytes;
-    stream->wanted = bytes < MIN_BYTES ? MIN_BYTES : bytes > MAX_BYTES ? MAX_BYTES : (size_t)bytes;
-}
-
 static size_t count_points(const bat_curve_set *set)
 {
     size_t count = 0;
@@ -252,8 +243,12 @@ static bat_status refine_part(file_job *job, bat_progress progress)
             job, geojson_part_write(&fine, job->format, before == 0, &job->options->write, &job->sink, job->error));
     else if (job->error->curve < coarse.count)
         status = fail_in_feature(&coarse, job->error->curve, before, job->error);
-    if (status == BAT_OK)
-        stream_adapt(stream, job->report.fine_points - points);
+    if (status == BAT_OK) // the size of the next part goes by that of this one's result
+    {
+        double bytes = (double)stream->used * PART_POINTS / (double)(job->report.fine_points - points + 1);
+        bytes = fmin(bytes, 4.0 * (double)stream->wanted);
+        stream->wanted = bytes < MIN_BYTES ? MIN_BYTES : bytes > MAX_BYTES ? MAX_BYTES : (size_t)bytes;
+    }
     job->report.features += stream->count;
     bat_curve_set_free(&coarse);
     bat_curve_set_free(&fine);
