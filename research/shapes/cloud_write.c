@@ -96,9 +96,9 @@ bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sin
     const row_style *style = &STYLES[format];
     bat_status status = write_head(cloud, format, sink, error);
     if (status == BAT_OK)
-        status = lines_write(sink, cloud->count, append_row, &(cloud_writer){cloud, style, false}, error);
+        status = text_lines_write(sink, cloud->count, 0, append_row, &(cloud_writer){cloud, style, false}, error);
     if (status == BAT_OK && style->triangle != NULL)
-        status = lines_write(sink, cloud->triangle_count, append_row, &(cloud_writer){cloud, style, true}, error);
+        status = text_lines_write(sink, cloud->triangle_count, 0, append_row, &(cloud_writer){cloud, style, true}, error);
     return status;
 }
 

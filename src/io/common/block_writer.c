@@ -102,11 +102,6 @@ bat_status text_lines_write(text_sink *sink, size_t count, int threads, line_for
     return blocks_write(sink, count / LINES_PER_BLOCK + (count % LINES_PER_BLOCK > 0), threads, format_lines, &job, error);
 }
 
-bat_status lines_write(text_sink *sink, size_t count, line_format *format, const void *context, bat_error *error)
-{
-    return text_lines_write(sink, count, 0, format, context, error);
-}
-
 bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,
                       block_cut *cut, bat_error *error)
 {

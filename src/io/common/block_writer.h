@@ -39,8 +39,6 @@ typedef void line_format(const void *context, size_t row, text_buffer *text);
 /// blocks_write() of `count` lines.
 bat_status text_lines_write(text_sink *sink, size_t count, int threads, line_format *format, const void *context,
                             bat_error *error);
-/// The same by the default number of threads.
-bat_status lines_write(text_sink *sink, size_t count, line_format *format, const void *context, bat_error *error);
 
 /// A partition of jobs into blocks of similar weight: block b has the jobs starts[b], …, starts[b + 1] - 1.
 typedef struct block_cut

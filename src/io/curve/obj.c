@@ -212,20 +212,15 @@ static bat_status format_vertices(const void *context BAT_UNUSED, const row_span
     return BAT_OK;
 }
 
-static void append_index(text_buffer *text, size_t index)
-{
-    text_append_fixed(text, " ", (int64_t)index + 1, 0);
-}
-
 static bat_status format_elements(const void *context BAT_UNUSED, const row_span *span, text_buffer *text,
                                   bat_error *error BAT_UNUSED)
 {
     if (span->begin == 0)
         text_append_string(text, "l");
     for (size_t i = span->begin; i < span->end; i++)
-        append_index(text, span->first_row + i);
+        text_append_fixed(text, " ", (int64_t)(span->first_row + i) + 1, 0);
     if (span->end == span->curve->count && span->curve->closed)
-        append_index(text, span->first_row);
+        text_append_fixed(text, " ", (int64_t)span->first_row + 1, 0);
     if (span->end == span->curve->count)
         text_append_string(text, "\n");
     return BAT_OK; // the sink reports a lack of memory

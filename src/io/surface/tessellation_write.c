@@ -103,15 +103,15 @@ static bat_status write_geometry(const vtk_content *content, text_sink *sink, ba
     bat_status status = sink_format(
         sink, error, "# vtk DataFile Version 3.0\nbatten surface\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n", all);
     if (status == BAT_OK)
-        status = lines_write(sink, all, append_point, content, error);
+        status = text_lines_write(sink, all, 0, append_point, content, error);
     if (status == BAT_OK && points > 0)
         status = sink_format(sink, error, "VERTICES %zu %zu\n", points, 2 * points);
     if (status == BAT_OK)
-        status = lines_write(sink, points, append_data_vertex, content, error);
+        status = text_lines_write(sink, points, 0, append_data_vertex, content, error);
     if (status == BAT_OK)
         status = sink_format(sink, error, "POLYGONS %zu %zu\n", polygons, (corners + 1) * polygons);
     if (status == BAT_OK)
-        status = lines_write(sink, polygons, append_polygon, content, error);
+        status = text_lines_write(sink, polygons, 0, append_polygon, content, error);
     return status;
 }
 
@@ -121,11 +121,11 @@ static bat_status write_fields(const vtk_content *content, text_sink *sink, bat_
     size_t all = content->surface->grid_count + points;
     bat_status status = sink_format(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
     if (status == BAT_OK)
-        status = lines_write(sink, cells, append_level, content, error);
+        status = text_lines_write(sink, cells, 0, append_level, content, error);
     if (status != BAT_OK || points == 0 || content->options->errors == NULL)
         return status;
     status = sink_format(sink, error, "POINT_DATA %zu\nSCALARS error double 1\nLOOKUP_TABLE default\n", all);
-    return status == BAT_OK ? lines_write(sink, all, append_error, content, error) : status;
+    return status == BAT_OK ? text_lines_write(sink, all, 0, append_error, content, error) : status;
 }
 
 bat_status surface_vtk_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
