@@ -107,11 +107,6 @@ static void swap_rows(size_t count, double *a, double *b)
         SWAP(a[j], b[j]);
 }
 
-static void subtract_row(size_t count, double factor, const double *from, double *row)
-{
-    vector_add(count, -factor, from, row);
-}
-
 /// Factor the columns begin … end - 1, exchanging whole rows. False where a pivot is zero or not finite.
 static bool factor_panel(size_t n, size_t begin, size_t end, double *a, size_t *pivots)
 {
@@ -130,7 +125,7 @@ static bool factor_panel(size_t n, size_t begin, size_t end, double *a, size_t *
         for (size_t i = k + 1; i < n; i++)
         {
             a[i * n + k] /= divisor;
-            subtract_row(end - k - 1, a[i * n + k], a + k * n + k + 1, a + i * n + k + 1);
+            vector_add(end - k - 1, -a[i * n + k], a + k * n + k + 1, a + i * n + k + 1);
         }
     }
     return true;
@@ -146,7 +141,7 @@ static bool eliminate(size_t n, double *a, size_t *pivots)
             return false;
         for (size_t i = begin + 1; i < end; i++)
             for (size_t k = begin; k < i; k++)
-                subtract_row(rest, a[i * n + k], a + k * n + end, a + i * n + end);
+                vector_add(rest, -a[i * n + k], a + k * n + end, a + i * n + end);
         if (rest > 0)
             cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)rest, (int)rest, (int)(end - begin), -1,
                         a + end * n + begin, (int)n, a + begin * n + end, (int)n, 1, a + end * n + end, (int)n);
@@ -162,11 +157,11 @@ static void substitute(size_t n, size_t columns, const double *a, const size_t *
             swap_rows(columns, b + k * columns, b + pivots[k] * columns);
     for (size_t i = 1; i < n; i++)
         for (size_t k = 0; k < i; k++)
-            subtract_row(columns, a[i * n + k], b + k * columns, b + i * columns);
+            vector_add(columns, -a[i * n + k], b + k * columns, b + i * columns);
     for (size_t i = n; i-- > 0;)
     {
         for (size_t k = i + 1; k < n; k++)
-            subtract_row(columns, a[i * n + k], b + k * columns, b + i * columns);
+            vector_add(columns, -a[i * n + k], b + k * columns, b + i * columns);
         for (size_t j = 0; j < columns; j++)
             b[i * columns + j] /= a[i * n + i];
     }
