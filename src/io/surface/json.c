@@ -324,14 +324,6 @@ bat_status surface_json_read(const file_text *text, bat_spline_surface *surface,
     return status;
 }
 
-/// JSON readers take "-0" for an integer, which loses the sign.
-static void append_number(text_buffer *text, double value)
-{
-    text_append_real(text, "", value);
-    if (value == 0 && signbit(value))
-        text_append_string(text, ".0");
-}
-
 static const char *row_end(size_t row, size_t rows)
 {
     return row + 1 < rows ? "],\n" : "]\n";
@@ -381,8 +373,9 @@ static void append_numbers(text_buffer *text, const double *numbers, size_t coun
 {
     for (size_t i = 0; i < count; i++)
     {
-        text_append_string(text, i > 0 ? ", " : "[");
-        append_number(text, numbers[i]);
+        text_append_real(text, i > 0 ? ", " : "[", numbers[i]);
+        if (numbers[i] == 0 && signbit(numbers[i])) // JSON readers take "-0" for an integer, which loses the sign
+            text_append_string(text, ".0");
     }
     text_append_string(text, end);
 }

@@ -101,19 +101,14 @@ static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shi
     return BAT_OK;
 }
 
-/// Whether a border of a box divides cells of the previous level.
-static bool is_odd(const surface_box *box)
-{
-    return box->level > 0 && ((box->low[0] | box->low[1] | box->high[0] | box->high[1]) & 1) != 0;
-}
-
-/// The first such box of a level or above; `count` for none.
+/// The first box of a level or above with a border that divides cells of the previous level; `count` for none.
 static size_t find_odd(const surface_box *boxes, size_t count, size_t level)
 {
-    size_t i = 0;
-    while (i < count && !(boxes[i].level >= level && is_odd(&boxes[i])))
-        i++;
-    return i;
+    for (size_t i = 0; i < count; i++)
+        if (boxes[i].level >= level && boxes[i].level > 0 &&
+            ((boxes[i].low[0] | boxes[i].low[1] | boxes[i].high[0] | boxes[i].high[1]) & 1) != 0)
+            return i;
+    return count;
 }
 
 /// Check boxes that divide cells of the previous level; the space contains these cells whole. In a space of twice the spans,

@@ -256,11 +256,6 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
     return status;
 }
 
-static double *last_point(const step_model *model, size_t edge)
-{
-    return model->control[edge] + 3 * (knot_vector_functions(&model->knots[edge]) - 1);
-}
-
 /// Set the positions of vertices from their first edges. Replace the ends of the other edges, which may differ by rounding.
 static bat_status place_vertices(step_model *model, bat_error *error)
 {
@@ -274,7 +269,8 @@ static bat_status place_vertices(step_model *model, bat_error *error)
     {
         const shell_edge *edge = &shell->edges[i / 2];
         size_t vertex = i % 2 == 0 ? edge->from : edge->to;
-        double *end = i % 2 == 0 ? model->control[i / 2] : last_point(model, i / 2), *point = model->points + 3 * vertex;
+        size_t last = i % 2 == 0 ? 0 : knot_vector_functions(&model->knots[i / 2]) - 1;
+        double *end = model->control[i / 2] + 3 * last, *point = model->points + 3 * vertex;
         memcpy(placed[vertex] ? end : point, placed[vertex] ? point : end, 3 * sizeof *point);
         placed[vertex] = true;
     }

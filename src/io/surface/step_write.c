@@ -354,13 +354,6 @@ static void write_end(step_text *step, const step_entities *entities, const char
     write_out(step);
 }
 
-static void write_shell(step_text *step, const step_entities *entities)
-{
-    uint32_t shell = write_list(step, OPEN_SHELL, entities->faces, entities->face_count);
-    uint32_t part = write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
-    write_end(step, entities, SURFACE_SHAPE, &part, 1);
-}
-
 /// Write the parts of a model with several. Shells of voids, whose normals lead into them, belong to the solids around them.
 static bat_status write_parts(step_text *step, const step_model *model, const step_entities *entities, bat_error *error)
 {
@@ -522,14 +515,6 @@ static void write_trimmed_face(step_text *step, const trimmed_model *model, step
     entities->face_count = 1;
 }
 
-static bat_status make_entities(size_t vertices, size_t edges, size_t faces, step_entities *entities, bat_error *error)
-{
-    entities->vertices = memory_pool_array(&entities->pool, vertices, sizeof *entities->vertices);
-    entities->edges = memory_pool_array(&entities->pool, edges, sizeof *entities->edges);
-    entities->faces = memory_pool_array(&entities->pool, faces, sizeof *entities->faces);
-    return memory_pool_check(&entities->pool, error);
-}
-
 /// Write a file of patches, or of a trimmed surface where `trimmed` is not null.
 static bat_status write_file(const step_model *model, const trimmed_model *trimmed, bat_surface_unit unit, text_sink *sink,
                              bat_error *error)
@@ -542,9 +527,15 @@ static bat_status write_file(const step_model *model, const trimmed_model *trimm
         edges += knot_vector_functions(&trimmed->trim->pieces[i].knots);
     size_t vertices = trimmed != NULL ? edges : shell->vertex_count;
     size_t faces = trimmed != NULL ? trimmed->trim->loop_count : shell->face_count;
+    edges = trimmed != NULL ? edges : shell->edge_count;
     bat_status status = check_count(model, error);
     if (status == BAT_OK)
-        status = make_entities(vertices, trimmed != NULL ? edges : shell->edge_count, faces, &entities, error);
+    {
+        entities.vertices = memory_pool_array(&entities.pool, vertices, sizeof *entities.vertices);
+        entities.edges = memory_pool_array(&entities.pool, edges, sizeof *entities.edges);
+        entities.faces = memory_pool_array(&entities.pool, faces, sizeof *entities.faces);
+        status = memory_pool_check(&entities.pool, error);
+    }
     if (status == BAT_OK)
     {
         write_header(&step);
@@ -564,7 +555,11 @@ static bat_status write_file(const step_model *model, const trimmed_model *trimm
         if (model->pieces != NULL)
             status = write_parts(&step, model, &entities, error);
         else
-            write_shell(&step, &entities);
+        {
+            uint32_t whole = write_list(&step, OPEN_SHELL, entities.faces, entities.face_count);
+            uint32_t part = write_entity(&step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", whole);
+            write_end(&step, &entities, SURFACE_SHAPE, &part, 1);
+        }
     }
     text_free(&step.text);
     memory_pool_free(&entities.pool);

@@ -232,15 +232,11 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
         xml_stop(&state->xml, error_memory(state->xml.error, state->content.size));
 }
 
-static bool holds_numbers(xml_element element)
-{
-    return element == XML_KNOTS || element == XML_BOX || element == XML_CONTROL;
-}
-
 static void XMLCALL on_text(void *context, const XML_Char *text, int size)
 {
     xml_state *state = context;
-    if (state->xml.status != BAT_OK || !holds_numbers(state->open[state->depth]))
+    xml_element element = state->open[state->depth];
+    if (state->xml.status != BAT_OK || (element != XML_KNOTS && element != XML_BOX && element != XML_CONTROL))
         return;
     if (state->content.size == 0)
         state->content_line = xml_line(&state->xml);
