@@ -42,8 +42,6 @@
 
 enum
 {
-    LEARNED_ANGLES = 2 * LEARNED_REACH,      ///< of the vertices 1 - reach … reach
-    LEARNED_LENGTHS = 2 * LEARNED_REACH + 1, ///< of the edges -reach … reach
     /// Size of the turns (2), their variance, size of the exterior angles, curvature of the space, fairness, level.
     LEARNED_PLAIN_SCALARS = 7,
     /// Mean and deviation of the logarithms of vertex deviations; deviations of those of areas and of lengths; how often

@@ -3,8 +3,6 @@
 #include "io/gis/gdal.h"
 #include "io/gis/gis.h"
 
-#include <limits.h>
-
 /// @file
 /// Writer of layers by GDAL, from the features that the writer of GeoJSON makes.
 

@@ -4,7 +4,6 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <strings.h>
 
 /// @file
 /// Readers of points as text: comments about the boundary, XYZ, CSV and PTX.
