@@ -178,15 +178,6 @@ static const char *keep_string(unsigned char **next, const char *string)
     return kept;
 }
 
-/// Copy an array's elements to *next, which moves on to the place of the next array.
-static const void *keep_elements(unsigned char **next, const unsigned char *data, const header_entry *entry)
-{
-    void *kept = *next;
-    safetensors_copy(kept, data + entry->begin, entry->array.count, safetensors_element_size(entry->array.type));
-    *next += aligned(entry->end - entry->begin);
-    return kept;
-}
-
 /// Bytes of everything that the content keeps: elements first, each array aligned, then strings.
 static size_t memory_size(const parts *file, const json_t *notes)
 {
@@ -215,8 +206,11 @@ static bat_status keep(const parts *file, safetensors *content, bat_error *error
     unsigned char *next = kept.memory;
     for (size_t i = 0; i < file->entry_count; i++)
     {
-        arrays[i] = file->entries[i].array;
-        arrays[i].values = keep_elements(&next, file->data, &file->entries[i]);
+        const header_entry *entry = &file->entries[i];
+        arrays[i] = entry->array;
+        arrays[i].values = next;
+        safetensors_copy(next, file->data + entry->begin, entry->array.count, safetensors_element_size(entry->array.type));
+        next += aligned(entry->end - entry->begin);
     }
     for (size_t i = 0; i < file->entry_count; i++)
         arrays[i].name = keep_string(&next, arrays[i].name);
