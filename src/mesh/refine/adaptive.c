@@ -438,16 +438,6 @@ static void inherit(adaptive_level *now, const level_part *part, const bat_mesh_
     }
 }
 
-/// Note the vertices on edges.
-static void note_middles(adaptive_level *now, const level_part *part, const bat_mesh_connectivity *links,
-                         const adaptive_level *next)
-{
-    uint32_t corners = sides_corners(&now->sides, now->mesh.face_count);
-    for (uint32_t h = 0; h < corners; h++)
-        if (now->part[h] != BAT_MESH_NONE)
-            now->middle[h] = next->number[part->mesh.vertex_count + links->edge[now->part[h]]];
-}
-
 /// Make the next level from the faces that are split.
 static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_level *next, bat_error *error)
 {
@@ -470,8 +460,9 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
         inherit(now, &part, &links, next, fresh);
         status = number_vertices(work, next, fresh, error);
     }
-    if (status == BAT_OK)
-        note_middles(now, &part, &links, next);
+    for (uint32_t h = 0; h < sides_corners(&now->sides, now->mesh.face_count) && status == BAT_OK; h++)
+        if (now->part[h] != BAT_MESH_NONE)
+            now->middle[h] = next->number[part.mesh.vertex_count + links.edge[now->part[h]]];
     bat_mesh_connectivity_free(&links);
     part.mesh.channel_names = NULL;
     part.mesh.channel_count = 0;

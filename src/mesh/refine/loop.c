@@ -214,22 +214,16 @@ static double dart_weight(const dart_weights *dart, unsigned i)
     return 8 * dart->ring / 3 * (1 - (there + back) / (1 + around));
 }
 
-static dart_weights dart_make(unsigned valence)
-{
-    dart_weights dart = {valence, ring_weight(valence), 1};
-    for (unsigned i = 0; i < valence; i++)
-        dart.total += dart_weight(&dart, i);
-    return dart;
-}
-
 static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp)
 {
     const mesh_level *level = rows->level;
     size_t dim = rows->dim;
     bool is_dart = sharp->kind == SHARP_DART;
     unsigned valence = mesh_valence(level, vertex);
-    dart_weights dart = is_dart ? dart_make(valence) : (dart_weights){0};
-    double ring = is_dart ? 0 : 1 / (valence + 3 / (8 * ring_weight(valence)));
+    dart_weights dart = {valence, ring_weight(valence), 1};
+    for (unsigned i = 0; i < valence && is_dart; i++)
+        dart.total += dart_weight(&dart, i);
+    double ring = is_dart ? 0 : 1 / (valence + 3 / (8 * dart.ring));
     double own = is_dart ? 1 / dart.total : 1 - valence * ring;
     uint32_t h = is_dart ? mesh_half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
     const double *from = rows->from + vertex * dim;

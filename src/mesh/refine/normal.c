@@ -80,15 +80,6 @@ static void face_normals(const normal_job *job, uint32_t vertex, double normal[3
     memcpy(normal, sum, sizeof sum);
 }
 
-/// The number of faces counter-clockwise from a half-edge to the edge that leads to `end`.
-static unsigned faces_to(const mesh_level *level, uint32_t half_edge, uint32_t end)
-{
-    unsigned faces = 1;
-    for (uint32_t h = half_edge; level->faces[sides_previous(&level->sides, h)] != end; h = sides_next_around(level, h))
-        faces++;
-    return faces;
-}
-
 /// The normal of a vertex on a crease: the mean of both sides. A boundary vertex has one side.
 static void crease_normal(const normal_job *job, uint32_t vertex, const sharp_vertex *sharp, double normal[3])
 {
@@ -99,7 +90,10 @@ static void crease_normal(const normal_job *job, uint32_t vertex, const sharp_ve
     {
         uint32_t h = mesh_half_edge_to(level, vertex, sharp->ends[s]);
         double one[3];
-        job->rules->side(job, h, faces_to(level, h, sharp->ends[1 - s]), one);
+        unsigned faces = 1; // counter-clockwise to the other end
+        for (uint32_t i = h; level->faces[sides_previous(&level->sides, i)] != sharp->ends[1 - s]; faces++)
+            i = sides_next_around(level, i);
+        job->rules->side(job, h, faces, one);
         (void)normalize(one);
         vector_add(3, 1, one, sum);
     }

@@ -574,12 +574,6 @@ static bat_status leave_out(refinement *work, const mesh_sides *coarse_sides, ba
                               error);
 }
 
-static bat_status number_quads(bat_mesh *mesh, bat_error *error)
-{
-    mesh->offsets = sides_offsets(mesh->face_count, 4);
-    return mesh->offsets != NULL ? BAT_OK : error_memory(error, (mesh->face_count + 1) * sizeof *mesh->offsets);
-}
-
 /// Refine a mesh with known connectivity.
 static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_connectivity *links,
                                    const mesh_plan *plan, bat_mesh *fine, size_t *fallback, bat_error *error)
@@ -600,8 +594,9 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
         status = channels_name(coarse, &work.now.mesh, error);
     if (status == BAT_OK)
         channels_bound(coarse, &work.now.mesh);
-    if (status == BAT_OK && work.now.sides.quads)
-        status = number_quads(&work.now.mesh, error);
+    size_t faces = work.now.mesh.face_count;
+    if (status == BAT_OK && work.now.sides.quads && (work.now.mesh.offsets = sides_offsets(faces, 4)) == NULL)
+        status = error_memory(error, (faces + 1) * sizeof(uint32_t));
     if (status == BAT_OK)
     {
         *fine = work.now.mesh;
