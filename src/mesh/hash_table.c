@@ -95,11 +95,6 @@ static point_key key_of(const point_table *table, const double point[3])
     return key;
 }
 
-static bool keys_equal(const point_key *a, const point_key *b)
-{
-    return a->at[0] == b->at[0] && a->at[1] == b->at[1] && a->at[2] == b->at[2];
-}
-
 /// The slot where a search for the key begins. The bits are mixed by the finalizer of MurmurHash3.
 static size_t first_slot(const point_table *table, const point_key *key)
 {
@@ -193,7 +188,8 @@ static uint32_t near_in_cube(const point_table *table, const point_key *cube, co
         const double *other = table->points + 3 * (size_t)index;
         point_key key = key_of(table, other);
         double distance = hypot(hypot(other[0] - point[0], other[1] - point[1]), other[2] - point[2]);
-        if (keys_equal(&key, cube) && distance <= table->cell)
+        bool inside = key.at[0] == cube->at[0] && key.at[1] == cube->at[1] && key.at[2] == cube->at[2];
+        if (inside && distance <= table->cell)
             best = index;
     }
     return best;

@@ -350,22 +350,18 @@ bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point *points,
     return BAT_OK;
 }
 
-/// The coarse face that a fine face became, by bisection.
-static uint32_t find_kept(const bat_mesh_map *map, uint32_t face)
-{
-    size_t end = 1, high = map->coarse_faces;
-    BISECT(end, high, middle, map->kept[middle] <= face)
-    return (uint32_t)(end - 1);
-}
-
 bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error)
 {
     bat_status status = check_points(points, count, map->fine_faces, error);
     if (status != BAT_OK)
         return status;
     carry_all(map, false, points, count);
-    for (size_t i = 0; i < count; i++)
-        points[i].face = find_kept(map, points[i].face);
+    for (size_t i = 0; i < count; i++) // the coarse face that the fine one became
+    {
+        size_t end = 1, high = map->coarse_faces;
+        BISECT(end, high, middle, map->kept[middle] <= points[i].face)
+        points[i].face = (uint32_t)(end - 1);
+    }
     return BAT_OK;
 }
 
