@@ -694,16 +694,6 @@ static void into_cone(const bat_space *space, const double *point, const double 
         v[c] -= of_a * a[c] + of_b * b[c];
 }
 
-/// How much the velocities at the ends of an interval exceed the circle of radius 3 about 0, in units of the mean speed:
-/// Fritsch and Carlson's condition, by lengths.
-static double excess_of(const spline_system *system, size_t i)
-{
-    double mean = spline_speed(system, i);
-    double speed = hypot(norm_at(system, i, of_key(system, system->velocities, i)),
-                         norm_at(system, key_after(system, i), of_key(system, system->velocities, key_after(system, i))));
-    return speed <= 3 * mean ? 1 : speed / (3 * mean);
-}
-
 /// The slopes at the keys of parabolas through three keys, where the global system has no solution: limits begin with them.
 static bat_status estimate(spline_system *system, bat_error *error)
 {
@@ -769,8 +759,14 @@ static bat_status limit(spline_system *system, bool all, bat_error *error)
             return fail(system, status, k, error);
         into_cone(space, point_of(system, k), left ? before : after, right ? after : before, velocity);
     }
+    // Fritsch and Carlson's condition, by lengths: the circle of radius 3 about 0, in units of the mean speed.
     for (size_t i = 0; i < system->intervals; i++)
-        excess[i * n] = all || meets_rest(system, i) ? excess_of(system, i) : 1;
+    {
+        double *v = system->velocities, most = 3 * spline_speed(system, i);
+        size_t next = key_after(system, i);
+        double speed = hypot(norm_at(system, i, of_key(system, v, i)), norm_at(system, next, of_key(system, v, next)));
+        excess[i * n] = (all || meets_rest(system, i)) && !(speed <= most) ? speed / most : 1;
+    }
     for (size_t k = 0; k < system->count; k++)
     {
         double *velocity = of_key(system, system->velocities, k);
