@@ -213,32 +213,8 @@ static bat_status measure_effect(weight_workspace *workspace, double lambda, boo
     return sloped ? find_residual_slope(workspace, lambda, &effect->residual_slope, error) : BAT_OK;
 }
 
-/// Generalized cross-validation: log of R / (1 - T / N)^2.
-static void score_cross_validation(const weight_workspace *workspace, double lambda, const weight_effect *effect,
-                                   weight_trial *trial)
-{
-    double points = (double)workspace->system->counted, left = fmax(1 - effect->trace / points, DBL_EPSILON);
-    trial->score = log(effect->residual) - 2 * log(left);
-    trial->slope = lambda * (effect->residual_slope / effect->residual + 2 * effect->trace_slope / (points * left));
-}
-
-/// Restricted likelihood, with -J / s^2 as the log density of a Gaussian prior on surfaces. The slope is the difference of
-/// both sides of its stationarity condition.
-static void score_likelihood(const weight_workspace *workspace, double spread, double lambda, const weight_effect *effect,
-                             weight_trial *trial)
-{
-    double points = fmax((double)workspace->system->counted - PLANE_FUNCTIONS, 1), penalty = 2 * lambda * effect->energy;
-    trial->slope = points * penalty / (spread * (effect->residual + penalty)) - (effect->trace - PLANE_FUNCTIONS);
-    trial->score = fabs(trial->slope);
-}
-
-/// Restricted likelihood with a known variance of the residuals.
-static void score_noise(double noise, double lambda, const weight_effect *effect, weight_trial *trial)
-{
-    trial->slope = 2 * lambda * effect->energy / (noise * noise) - (effect->trace - PLANE_FUNCTIONS);
-    trial->score = fabs(trial->slope);
-}
-
+/// Evaluate a weight by one of three criteria. The slope of a likelihood is the difference of both sides of its stationarity
+/// condition.
 static bat_status try_weight(weight_workspace *workspace, const fit_weight_search *search, double log_lambda,
                              weight_trial *trial, bat_error *error)
 {
@@ -253,12 +229,21 @@ static bat_status try_weight(weight_workspace *workspace, const fit_weight_searc
         return status;
     trial->regular = true;
     trial->trace = effect.trace;
-    if (search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION)
-        score_cross_validation(workspace, lambda, &effect, trial);
-    else if (search->smoothing <= BAT_SURFACE_SMOOTHING_LIKELIHOOD)
-        score_likelihood(workspace, search->spread, lambda, &effect, trial);
-    else
-        score_noise(search->noise, lambda, &effect, trial);
+    double counted = (double)workspace->system->counted, penalty = 2 * lambda * effect.energy;
+    if (search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION) // generalized: log of R / (1 - T / N)^2
+    {
+        double left = fmax(1 - effect.trace / counted, DBL_EPSILON);
+        trial->score = log(effect.residual) - 2 * log(left);
+        trial->slope = lambda * (effect.residual_slope / effect.residual + 2 * effect.trace_slope / (counted * left));
+        return BAT_OK;
+    }
+    // Restricted likelihood, with -J / s^2 as the log density of a Gaussian prior on surfaces, or with a known variance.
+    bool known = search->smoothing > BAT_SURFACE_SMOOTHING_LIKELIHOOD;
+    double points = fmax(counted - PLANE_FUNCTIONS, 1);
+    double freedom = known ? penalty / (search->noise * search->noise)
+                           : points * penalty / (search->spread * (effect.residual + penalty));
+    trial->slope = freedom - (effect.trace - PLANE_FUNCTIONS);
+    trial->score = fabs(trial->slope);
     return BAT_OK;
 }
 
