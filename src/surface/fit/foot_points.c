@@ -161,22 +161,18 @@ static bool solve_both(const double *matrix, const double *gradient, double *ste
     return true;
 }
 
-/// The step in one direction: a Newton step where the squared distance is convex, else a Gauss-Newton step.
-static double solve_one(const foot_point *foot, int direction)
-{
-    double full = foot->full[2 * direction], gauss = foot->gauss[2 * direction];
-    double curvature = full > 0 ? full : gauss;
-    return curvature > 0 ? -foot->gradient[direction] / curvature : 0;
-}
-
 static void choose_step(const foot_point *foot, const foot_limits *limits, double *step)
 {
     bool moves[2] = {may_move(foot, limits, 0), may_move(foot, limits, 1)};
     if (moves[0] && moves[1] &&
         (solve_both(foot->full, foot->gradient, step) || solve_both(foot->gauss, foot->gradient, step)))
         return;
+    // In one direction: a Newton step where the squared distance is convex, else a Gauss-Newton step.
     for (int k = 0; k < 2; k++)
-        step[k] = moves[k] ? solve_one(foot, k) : 0;
+    {
+        double curvature = foot->full[2 * k] > 0 ? foot->full[2 * k] : foot->gauss[2 * k];
+        step[k] = moves[k] && curvature > 0 ? -foot->gradient[k] / curvature : 0;
+    }
 }
 
 /// Shorten a step to at most MAX_STEP cells, within which the quadratic model is reliable.

@@ -110,12 +110,6 @@ static const double TUKEY_REACH = 4.685;
 // Lower bound of the scale, as a fraction of the size of the point set: residuals of rounding size are no outliers.
 static const double MIN_SCALE = 1e-12;
 
-static double biweight(double distance, double scale)
-{
-    double share = distance / (TUKEY_REACH * scale), left = 1 - share * share;
-    return share < 1 ? left * left : 0;
-}
-
 bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error)
 {
     double sorted[NEIGHBOURS], middle;
@@ -133,7 +127,8 @@ bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers,
         {
             if (points->number[row] >= points->own)
                 continue;
-            points->weight[row] = scale > 0 ? biweight(points->distance[row], scale) : 1;
+            double share = scale > 0 ? points->distance[row] / (TUKEY_REACH * scale) : 0, left = 1 - share * share;
+            points->weight[row] = share < 1 ? left * left : 0;
             found += points->weight[row] == 0;
         }
     }
