@@ -50,6 +50,16 @@ static inline label_name label_name_of(const char *text)
     return (label_name){text, text != NULL ? strlen(text) : 0};
 }
 
+static inline bool label_name_is(label_name name, const char *word)
+{
+    return name.begin != NULL && name.size == strlen(word) && memcmp(name.begin, word, name.size) == 0;
+}
+
+static inline bool label_names_equal(label_name a, label_name b)
+{
+    return a.size == b.size && memcmp(a.begin, b.begin, a.size) == 0;
+}
+
 /// Labels without repetition. All zero: empty.
 typedef struct label_table
 {

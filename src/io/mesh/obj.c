@@ -41,17 +41,12 @@ static label_name rest_of_line(word_scan *scan)
     return (label_name){size > 0 && *begin != '#' ? begin : NULL, size > 0 && *begin != '#' ? size : 0};
 }
 
-static bool name_is(label_name name, const char *word)
-{
-    return name.begin != NULL && name.size == strlen(word) && memcmp(name.begin, word, name.size) == 0;
-}
-
 /// Remember the word of a statement that is left out.
 static void add_unused(obj_labels *labels, label_name word)
 {
     size_t kept = labels->unused_count < OBJ_UNUSED_WORDS ? labels->unused_count : OBJ_UNUSED_WORDS;
     for (size_t i = 0; i < kept; i++)
-        if (labels->unused[i].size == word.size && memcmp(labels->unused[i].begin, word.begin, word.size) == 0)
+        if (label_names_equal(labels->unused[i], word))
             return;
     if (kept < OBJ_UNUSED_WORDS)
         labels->unused[kept] = word;
@@ -65,23 +60,23 @@ static void obj_labels_read(obj_labels *labels, word_scan *scan)
     scan->at += word.size;
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
     {
-        if (!name_is(word, WORDS[k]))
+        if (!label_name_is(word, WORDS[k]))
             continue;
         label_name name = rest_of_line(scan);
-        if (k == SMOOTHING && (name_is(name, "off") || name_is(name, "0")))
+        if (k == SMOOTHING && (label_name_is(name, "off") || label_name_is(name, "0")))
             name = (label_name){0};
         labels->names[k] = name;
         labels->changed = true;
         return;
     }
-    if (name_is(word, "mtllib"))
+    if (label_name_is(word, "mtllib"))
     {
         label_name files = rest_of_line(scan);
         if (labels->files.size > 0)
             text_append(&labels->files, " ", 1);
         text_append(&labels->files, files.begin, files.size);
     }
-    else if (name_is(word, "vn"))
+    else if (label_name_is(word, "vn"))
         labels->normals++;
     else if (word.size > 0)
         add_unused(labels, word);

@@ -21,7 +21,7 @@ void ply_header_free(ply_header *header)
 const ply_element *ply_header_find(const ply_header *header, const char *name)
 {
     for (size_t i = 0; i < header->element_count; i++)
-        if (ply_name_is(header->elements[i].name, name))
+        if (label_name_is(header->elements[i].name, name))
             return &header->elements[i];
     return NULL;
 }
@@ -29,16 +29,16 @@ const ply_element *ply_header_find(const ply_header *header, const char *name)
 size_t ply_property_find(const ply_element *element, const char *name)
 {
     size_t i = 0;
-    while (i < element->property_count && !ply_name_is(element->properties[i].name, name))
+    while (i < element->property_count && !label_name_is(element->properties[i].name, name))
         i++;
     return i;
 }
 
 /// The next word of the line; empty when there is none.
-static ply_name next_name(word_scan *scan)
+static label_name next_name(word_scan *scan)
 {
     scan_skip_blanks(scan);
-    ply_name name = {scan->at, (size_t)(scan_word_end(scan) - scan->at)};
+    label_name name = {scan->at, (size_t)(scan_word_end(scan) - scan->at)};
     scan->at += name.size;
     return name;
 }
@@ -81,8 +81,7 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
     if (!scan_count(scan, (uint64_t)1 << 60, &count))
         return scan_word_fault(scan, BAT_NO_INDEX, "is not the number of elements", error);
     for (size_t i = 0; i < header->element_count; i++)
-        if (header->elements[i].name.size == element.name.size &&
-            memcmp(header->elements[i].name.begin, element.name.begin, element.name.size) == 0)
+        if (label_names_equal(header->elements[i].name, element.name))
             return ERROR_FILE(error, scan->line, "the element's name is used already");
     element.count = size_clipped(count);
     return ARRAY_ADD(header->elements, header->element_capacity, header->element_count, element)
@@ -93,8 +92,7 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
 static bat_status add_property(ply_element *element, ply_property property, const word_scan *scan, bat_error *error)
 {
     for (size_t i = 0; i < element->property_count; i++)
-        if (element->properties[i].name.size == property.name.size &&
-            memcmp(element->properties[i].name.begin, property.name.begin, property.name.size) == 0)
+        if (label_names_equal(element->properties[i].name, property.name))
             return ERROR_FILE(error, scan->line, "the property's name is used already");
     return ARRAY_ADD(element->properties, element->property_capacity, element->property_count, property)
                ? BAT_OK

@@ -31,29 +31,17 @@ static inline size_t ply_type_size(ply_type type)
     return sizes[type];
 }
 
-/// A word of the header, within the text of the file.
-typedef struct ply_name
-{
-    const char *begin;
-    size_t size;
-} ply_name;
-
-static inline bool ply_name_is(ply_name name, const char *word)
-{
-    return name.size == strlen(word) && memcmp(name.begin, word, name.size) == 0;
-}
-
 typedef struct ply_property
 {
-    ply_name name;
-    ply_type type; ///< of the number or of the list's elements
+    label_name name; ///< within the text of the file
+    ply_type type;   ///< of the number or of the list's elements
     bool list;
     ply_type count_type; ///< of the list's length
 } ply_property;
 
 typedef struct ply_element
 {
-    ply_name name;
+    label_name name; ///< within the text of the file
     size_t count;
     ply_property *properties;
     size_t property_count, property_capacity;

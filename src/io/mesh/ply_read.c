@@ -133,7 +133,7 @@ static bat_status skip_element(ply_reader *reader, const ply_element *element, b
 static double colour_scale(const ply_property *property)
 {
     for (size_t i = 0; i < MESH_COLOURS; i++)
-        if (ply_name_is(property->name, mesh_colour_names[i]))
+        if (label_name_is(property->name, mesh_colour_names[i]))
             return property->type == PLY_UINT8 ? UINT8_MAX : property->type == PLY_UINT16 ? UINT16_MAX : 1.0;
     return 1.0;
 }
@@ -177,7 +177,7 @@ static bat_status place_channels(ply_reader *reader, const ply_element *vertex, 
         const ply_property *property = &vertex->properties[i];
         bool normal = false;
         for (size_t k = 0; k < 3; k++)
-            normal = normal || ply_name_is(property->name, normals[k]);
+            normal = normal || label_name_is(property->name, normals[k]);
         if (property->list || normal || reader->places[i].column != NO_COLUMN)
             continue;
         names[count] = strndup(property->name.begin, property->name.size);
@@ -413,7 +413,7 @@ static bat_status read_element(ply_reader *reader, const ply_element *element, b
     if (row > 0 && element->count > left / row)
         return ERROR_FILE(error, 0, "the file is too short for its %zu elements '%s'", element->count,
                           text_excerpt(kind, element->name.begin, element->name.begin + element->name.size));
-    bool vertex = ply_name_is(element->name, "vertex"), face = ply_name_is(element->name, "face");
+    bool vertex = label_name_is(element->name, "vertex"), face = label_name_is(element->name, "face");
     if ((vertex && !mesh_builder_reserve(&reader->builder, element->count, 0)) ||
         (face && !mesh_builder_reserve(&reader->builder, 0, element->count)))
         return mesh_builder_no_memory(&reader->builder, error);
@@ -460,16 +460,16 @@ static bat_status note_losses(const ply_reader *reader, bat_mesh_notes *notes, b
         const ply_element *element = &reader->header.elements[i];
         char name[EXCERPT_SIZE];
         (void)text_excerpt(name, element->name.begin, element->name.begin + element->name.size);
-        if (ply_name_is(element->name, "vertex"))
+        if (label_name_is(element->name, "vertex"))
             status = ply_property_find(element, "nx") < element->property_count
                          ? mesh_note(notes, error,
                                      "%zu normals are left out: they follow from the mesh, and writers can make new ones",
                                      element->count)
                          : BAT_OK;
-        else if (!ply_name_is(element->name, "face") && element->count > 0)
+        else if (!label_name_is(element->name, "face") && element->count > 0)
             status =
                 mesh_note(notes, error, "%zu elements '%s' are left out: a mesh does not hold them", element->count, name);
-        for (size_t k = 0; k < element->property_count && status == BAT_OK && ply_name_is(element->name, "face"); k++)
+        for (size_t k = 0; k < element->property_count && status == BAT_OK && label_name_is(element->name, "face"); k++)
         {
             const ply_property *property = &element->properties[k];
             (void)text_excerpt(name, property->name.begin, property->name.begin + property->name.size);
