@@ -82,14 +82,6 @@ static void obj_labels_read(obj_labels *labels, word_scan *scan)
         add_unused(labels, word);
 }
 
-/// Give the builder the label of the next face. False when out of memory.
-static bool obj_labels_apply(obj_labels *labels, mesh_builder *builder)
-{
-    bool applied = !labels->changed || mesh_builder_label(builder, labels->names);
-    labels->changed = false;
-    return applied;
-}
-
 /// Give the builder the files of materials, and note what is left out.
 static bat_status obj_labels_finish(obj_labels *labels, mesh_builder *builder, bat_mesh_notes *notes, bat_error *error)
 {
@@ -283,8 +275,9 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
     mesh_builder *builder = &reader->builder;
     size_t size = 0, index = builder->mesh.face_count;
     bool textured = false;
-    if (!obj_labels_apply(&reader->labels, builder))
+    if (reader->labels.changed && !mesh_builder_label(builder, reader->labels.names))
         return mesh_builder_no_memory(&reader->builder, error);
+    reader->labels.changed = false;
     for (; !scan_line_done(&reader->scan); size++)
     {
         uint32_t vertex, texture;
@@ -363,24 +356,12 @@ static const bat_mesh_linear LINEAR_TAGS[] = {BAT_MESH_LINEAR_NONE,          BAT
                                               BAT_MESH_LINEAR_CORNERS_PLUS1, BAT_MESH_LINEAR_CORNERS_PLUS2,
                                               BAT_MESH_LINEAR_BOUNDARIES,    BAT_MESH_LINEAR_ALL};
 
-/// Read a rule of refinement after its name: `1/0/0` and a number below `count`.
-static bat_status read_rule_number(obj_reader *reader, size_t count, uint64_t *number, bat_error *error)
-{
-    uint64_t counts[3];
-    if (!read_counts(&reader->scan, counts) || counts[0] != 1 || counts[1] + counts[2] != 0)
-        return fault(reader, BAT_NO_INDEX, "a rule is followed by 1/0/0 and a whole number", error);
-    if (!scan_count(&reader->scan, count, number))
-        return scan_word_fault(&reader->scan, BAT_NO_INDEX, "is not a known number of this rule", error);
-    return BAT_OK;
-}
-
-/// Read the rule of a tag, whose name is at the scan. Sets `known` for a tag that is one.
-static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
+/// Read a rule of refinement, whose name is at the scan: `1/0/0` and a number follow, or `0/0/1` and a word.
+static bat_status read_rule(obj_reader *reader, bat_error *error)
 {
     word_scan *scan = &reader->scan;
     bat_mesh_rules *rules = &reader->builder.mesh.rules;
-    uint64_t number = 0, counts[3];
-    *known = true;
+    uint64_t number, counts[3];
     bool boundary = scan_word(scan, "interpolateboundary");
     bool linear = !boundary && scan_word(scan, "facevaryinginterpolateboundary");
     if (boundary || linear || scan_word(scan, "facevaryingpropagatecorners"))
@@ -388,12 +369,15 @@ static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
         size_t count = boundary ? sizeof BOUNDARY_TAGS / sizeof *BOUNDARY_TAGS
                        : linear ? sizeof LINEAR_TAGS / sizeof *LINEAR_TAGS
                                 : 2;
-        bat_status status = read_rule_number(reader, count, &number, error);
-        if (status == BAT_OK && boundary)
+        if (!read_counts(scan, counts) || counts[0] != 1 || counts[1] + counts[2] != 0)
+            return fault(reader, BAT_NO_INDEX, "a rule is followed by 1/0/0 and a whole number", error);
+        if (!scan_count(scan, count, &number))
+            return scan_word_fault(scan, BAT_NO_INDEX, "is not a known number of this rule", error);
+        if (boundary)
             rules->boundary = BOUNDARY_TAGS[number];
-        else if (status == BAT_OK && (linear || number == 1))
+        else if (linear || number == 1)
             rules->linear = linear ? LINEAR_TAGS[number] : BAT_MESH_LINEAR_CORNERS_PLUS2;
-        return status;
+        return BAT_OK;
     }
     if (scan_word(scan, "creasemethod"))
     {
@@ -404,8 +388,7 @@ static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
         rules->creasing = chaikin ? BAT_MESH_CREASING_CHAIKIN : BAT_MESH_CREASING_UNIFORM;
         return BAT_OK;
     }
-    *known = false;
-    return BAT_OK;
+    return scan_word_fault(scan, BAT_NO_INDEX, "is a tag of subdivision that is not supported", error);
 }
 
 /// Read OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, with vertices from 0, and the
@@ -413,15 +396,11 @@ static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
 static bat_status read_tag(obj_reader *reader, bat_error *error)
 {
     uint64_t counts[3];
-    bool crease = scan_word(&reader->scan, "crease"), known = true;
+    bool crease = scan_word(&reader->scan, "crease");
     uint64_t step = crease ? 2 : 1;
     bat_status status = BAT_OK;
     if (!crease && !scan_word(&reader->scan, "corner"))
-    {
-        status = read_rule(reader, &known, error);
-        if (status == BAT_OK && !known)
-            status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "is a tag of subdivision that is not supported", error);
-    }
+        status = read_rule(reader, error);
     else if (!read_counts(&reader->scan, counts) || counts[0] == 0 || counts[0] % step != 0 ||
              (counts[1] != 1 && counts[1] != counts[0] / step) || counts[2] != 0)
         return fault(reader, BAT_NO_INDEX,
