@@ -31,6 +31,9 @@ bool mesh_texture_by_vertex(const bat_mesh *mesh);
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_note(bat_mesh_notes *notes, bat_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/// The note of a reader.
+#define MESH_NORMALS_LEFT_OUT "%zu normals are left out: they follow from the mesh, and writers can make new ones"
+
 /// Move all notes to the end of `to`, which may be null. `from` is empty afterwards, also on failure.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_notes_move(bat_mesh_notes *from, bat_mesh_notes *to, bat_error *error);

@@ -347,7 +347,7 @@ static bat_status note_all(const gltf_reader *reader, bat_error *error)
         {tally->morphed, "the morph targets of %zu primitives are left out"},
         {tally->further, "%zu attributes are left out: only the first texture coordinates and colours are read"},
         {reader->colourless, "%zu primitives without colours are white"},
-        {tally->normals, "%zu normals are left out: they follow from the mesh, and writers can make new ones"},
+        {tally->normals, MESH_NORMALS_LEFT_OUT},
         {json_array_size(json_object_get(reader->document.root, "animations")), "%zu animations are left out"},
     };
     bat_status status = BAT_OK;

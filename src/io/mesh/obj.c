@@ -91,9 +91,7 @@ static bat_status obj_labels_finish(obj_labels *labels, mesh_builder *builder, b
     if (labels->files.failed || (labels->files.size > 0 && builder->mesh.material_files == NULL))
         return error_memory(error, labels->files.size);
     if (labels->normals > 0)
-        status =
-            mesh_note(notes, error, "%zu normals are left out: they follow from the mesh, and writers can make new ones",
-                      labels->normals);
+        status = mesh_note(notes, error, MESH_NORMALS_LEFT_OUT, labels->normals);
     if (labels->unused_count == 0 || status != BAT_OK)
         return status;
     char list[OBJ_UNUSED_WORDS * EXCERPT_SIZE + 8] = "";

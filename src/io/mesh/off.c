@@ -224,9 +224,7 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
     }
     scale_colours(&reader.builder);
     if (reader.with_normals)
-        status =
-            mesh_note(options->notes, error,
-                      "%zu normals are left out: they follow from the mesh, and writers can make new ones", reader.vertices);
+        status = mesh_note(options->notes, error, MESH_NORMALS_LEFT_OUT, reader.vertices);
     if (status == BAT_OK)
         status = mesh_builder_finish(&reader.builder, options, mesh, error);
     if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)

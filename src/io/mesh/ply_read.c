@@ -462,9 +462,7 @@ static bat_status note_losses(const ply_reader *reader, bat_mesh_notes *notes, b
         (void)text_excerpt(name, element->name.begin, element->name.begin + element->name.size);
         if (label_name_is(element->name, "vertex"))
             status = ply_property_find(element, "nx") < element->property_count
-                         ? mesh_note(notes, error,
-                                     "%zu normals are left out: they follow from the mesh, and writers can make new ones",
-                                     element->count)
+                         ? mesh_note(notes, error, MESH_NORMALS_LEFT_OUT, element->count)
                          : BAT_OK;
         else if (!label_name_is(element->name, "face") && element->count > 0)
             status =
