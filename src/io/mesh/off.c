@@ -279,22 +279,14 @@ static bat_status check_colours(const bat_mesh *mesh, const off_parts *parts, ba
     return BAT_OK;
 }
 
-static void format_header(const void *context, size_t row, text_buffer *text)
-{
-    (void)row; // the only one
-    const off_parts *parts = context;
-    TEXT_APPEND(text, parts->textured ? "ST" : "", parts->colours > 0 ? "COFF\n" : "OFF\n");
-    text_append_count(text, parts->mesh->vertex_count, " ");
-    text_append_count(text, parts->mesh->face_count, " 0\n");
-}
-
 bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
     off_parts parts = {.mesh = mesh, .textured = mesh_texture_by_vertex(mesh)};
     parts.colours = mesh_colours(mesh, parts.colour_places);
     bat_status status = check_colours(mesh, &parts, error);
     if (status == BAT_OK)
-        status = text_lines_write(sink, 1, 1, format_header, &parts, error);
+        status = sink_format(sink, error, "%s%s\n%zu %zu 0\n", parts.textured ? "ST" : "",
+                             parts.colours > 0 ? "COFF" : "OFF", mesh->vertex_count, mesh->face_count);
     if (status == BAT_OK)
         status = text_lines_write(sink, mesh->vertex_count, options->threads, format_vertex, &parts, error);
     return status == BAT_OK ? text_lines_write(sink, mesh->face_count, options->threads, format_face, &parts, error)
