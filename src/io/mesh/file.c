@@ -400,49 +400,35 @@ static bat_status make_normals(const bat_mesh *mesh, const bat_mesh_write_option
     return status;
 }
 
-/// Write a checked mesh. `triangles` is the mesh itself, or its polygons cut into triangles.
-static bat_status write_format(const bat_mesh *mesh, const bat_mesh *triangles, const mesh_format *row,
-                               const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
-{
-    bool cut = triangles != mesh && (row->holds & HOLDS_POLYGONS) == 0;
-    bat_mesh_write_options complete = *options;
-    bat_mesh_notes notes = {0};
-    double *normals = NULL;
-    bool wanted = options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL;
-    complete.vertex_normals = NULL;
-    complete.notes = options->notes != NULL ? &notes : NULL;
-    bat_status status = note_losses(mesh, row, options, complete.notes, error);
-    if (status == BAT_OK && cut && triangles->face_count > mesh->face_count)
-        status = mesh_note(complete.notes, error, "the output has triangles: %s does not hold polygons", row->choice.name);
-    if (status == BAT_OK && wanted && (row->holds & HOLDS_NORMALS) != 0)
-    {
-        status = make_normals(triangles, options, &normals, error);
-        complete.vertex_normals = normals;
-    }
-    if (status == BAT_OK)
-        status = row->write(cut ? triangles : mesh, &complete, sink, error);
-    if (status == BAT_OK)
-        status = mesh_notes_move(&notes, options->notes, error);
-    bat_mesh_notes_free(&notes);
-    free(normals);
-    return status;
-}
-
 /// Write a checked mesh to a sink, and cut polygons into triangles where the format or the normals need them.
 static bat_status write_checked(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
                                 text_sink *sink, bat_error *error)
 {
     const mesh_format *row = row_of(format);
-    bool normals =
+    bool with_normals =
         (options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL) && (row->holds & HOLDS_NORMALS) != 0;
-    if (mesh->offsets == NULL || (!normals && (row->holds & HOLDS_POLYGONS) != 0))
-        return write_format(mesh, mesh, row, options, sink, error);
-    bat_mesh triangles;
-    bat_status status = bat_mesh_triangulate(mesh, &triangles, error);
-    if (status != BAT_OK)
-        return status;
-    status = write_format(mesh, &triangles, row, options, sink, error);
-    bat_mesh_free(&triangles);
+    bool polygons = (row->holds & HOLDS_POLYGONS) != 0, cut = mesh->offsets != NULL && (with_normals || !polygons);
+    bat_mesh_write_options complete = *options;
+    bat_mesh_notes notes = {0};
+    bat_mesh made = {0};
+    double *normals = NULL;
+    complete.notes = options->notes != NULL ? &notes : NULL;
+    bat_status status = cut ? bat_mesh_triangulate(mesh, &made, error) : BAT_OK;
+    const bat_mesh *triangles = cut ? &made : mesh, *written = polygons ? mesh : triangles;
+    if (status == BAT_OK)
+        status = note_losses(mesh, row, options, complete.notes, error);
+    if (status == BAT_OK && written->face_count > mesh->face_count)
+        status = mesh_note(complete.notes, error, "the output has triangles: %s does not hold polygons", row->choice.name);
+    if (status == BAT_OK && with_normals)
+        status = make_normals(triangles, options, &normals, error);
+    complete.vertex_normals = normals;
+    if (status == BAT_OK)
+        status = row->write(written, &complete, sink, error);
+    if (status == BAT_OK)
+        status = mesh_notes_move(&notes, options->notes, error);
+    bat_mesh_notes_free(&notes);
+    bat_mesh_free(&made);
+    free(normals);
     return status;
 }
 
