@@ -658,11 +658,6 @@ static bat_status note_all(const reader_3mf *reader, bat_error *error)
     return status;
 }
 
-bool mesh_3mf_resembles(const file_text *text)
-{
-    return zip_resembles(text);
-}
-
 bat_status mesh_3mf_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
     reader_3mf reader = {.options = options, .unit = 1};

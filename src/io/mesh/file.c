@@ -1,6 +1,7 @@
 #include "base/atomic_file.h"
 #include "base/choice.h"
 #include "base/option.h"
+#include "io/common/zip.h"
 #include "io/mesh/formats.h"
 #include "linalg/vector.h"
 
@@ -54,7 +55,7 @@ static const mesh_format FORMATS[] = {
      HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_MATERIALS | HOLDS_NORMALS},
 #ifdef BATTEN_HAS_3MF
     {CHOICE_FORMAT("3mf", "meshes: 3MF for 3D printing, with objects and base materials", ".3mf", BAT_MESH_FORMAT_3MF),
-     mesh_3mf_read, mesh_3mf_write, mesh_3mf_resembles, HOLDS_LABELS | HOLDS_MATERIALS},
+     mesh_3mf_read, mesh_3mf_write, zip_resembles, HOLDS_LABELS | HOLDS_MATERIALS},
 #endif
 };
 

@@ -21,8 +21,7 @@ mesh_reader mesh_obj_read, mesh_ply_read, mesh_off_read, mesh_stl_read, mesh_glt
 /// Read a file that may have only vertices; the mesh then has no faces.
 mesh_reader mesh_obj_read_points, mesh_ply_read_points;
 mesh_writer mesh_obj_write, mesh_ply_write, mesh_off_write, mesh_stl_write, mesh_gltf_write, mesh_glb_write, mesh_3mf_write;
-mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh_gltf_resembles, mesh_glb_resembles,
-    mesh_3mf_resembles;
+mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh_gltf_resembles, mesh_glb_resembles;
 
 /// Whether every vertex has exactly one texture coordinate, with the vertex's index.
 bool mesh_texture_by_vertex(const bat_mesh *mesh);
