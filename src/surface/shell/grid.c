@@ -461,26 +461,29 @@ void shell_bernstein(double t, double values[4], double *slopes)
     slopes[3] = 3 * t * t;
 }
 
+void shell_patch_derivatives(const double *bezier, double u, double v, size_t count, double *at)
+{
+    static const size_t ORDERS[6][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
+    double values[2][3][4];
+    for (int d = 0; d < 2; d++)
+    {
+        double t = d == 0 ? u : v, seconds[4] = {6 - 6 * t, 18 * t - 12, 6 - 18 * t, 6 * t};
+        shell_bernstein(t, values[d][0], values[d][1]);
+        memcpy(values[d][2], seconds, sizeof seconds);
+    }
+    memset(at, 0, 3 * count * sizeof *at);
+    for (size_t k = 0; k < count; k++)
+        for (size_t i = 0; i < 16; i++)
+            vector_add(3, values[0][ORDERS[k][0]][i % 4] * values[1][ORDERS[k][1]][i / 4], bezier + 3 * i, at + 3 * k);
+}
+
 void shell_patch_evaluate(const double *bezier, double u, double v, double point[3], double along[2][3])
 {
-    double at[2][4], slope[2][4];
-    shell_bernstein(u, at[0], slope[0]);
-    shell_bernstein(v, at[1], slope[1]);
-    double sums[3][3] = {{0}};
-    for (size_t j = 0; j < 4; j++)
-        for (size_t i = 0; i < 4; i++, bezier += 3)
-        {
-            double value = at[0][i] * at[1][j], by_u = slope[0][i] * at[1][j], by_v = at[0][i] * slope[1][j];
-            for (size_t c = 0; c < 3; c++)
-            {
-                sums[0][c] += value * bezier[c];
-                sums[1][c] += by_u * bezier[c];
-                sums[2][c] += by_v * bezier[c];
-            }
-        }
-    memcpy(point, sums[0], sizeof sums[0]);
+    double at[9];
+    shell_patch_derivatives(bezier, u, v, along != NULL ? 3 : 1, at);
+    memcpy(point, at, 3 * sizeof *at);
     if (along != NULL)
-        memcpy(along, sums[1], 2 * sizeof sums[1]);
+        memcpy(along, at + 3, 6 * sizeof *at);
 }
 
 /// Move a place on a side of a quad to the quad beyond, if there is one.

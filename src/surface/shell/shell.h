@@ -194,6 +194,9 @@ void shell_bernstein(double t, double values[4], double *slopes);
 /// @param along derivatives by u and by v; may be null
 void shell_patch_evaluate(const double *bezier, double u, double v, double point[3], double along[2][3]);
 
+/// The first of: point, derivatives by u, v, uu, uv and vv of a bicubic patch.
+void shell_patch_derivatives(const double *bezier, double u, double v, size_t count, double *at);
+
 /// The angle between the normals of two patches at a place of a half-edge that both share.
 double shell_jump(const shell_grid *grid, const double *bezier, uint32_t half_edge, double t);
 
