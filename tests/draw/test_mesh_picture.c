@@ -172,7 +172,7 @@ static void rasters_cover_and_hide(void **state)
         }
     // A diagonal of the outer square runs beneath the inner one.
     unsigned char marks[100] = {0};
-    mesh_raster_line(&raster, 0, 2, 0.5, marks);
+    mesh_raster_line(&raster, 0, 2, 0.5, 1, marks);
     for (size_t y = 0; y < 10; y++)
         for (size_t x = 0; x < 10; x++)
         {

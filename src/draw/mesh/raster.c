@@ -24,26 +24,14 @@ static bool sample_range(double low, double high, size_t from, size_t to, size_t
     return true;
 }
 
-static double smallest(double a, double b, double c)
-{
-    double ab = a < b ? a : b;
-    return ab < c ? ab : c;
-}
-
-static double greatest(double a, double b, double c)
-{
-    double ab = a > b ? a : b;
-    return ab > c ? ab : c;
-}
-
 /// Draw a face into the rows from, …, to - 1.
 static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t face, size_t from, size_t to)
 {
     const double *a = raster->places + 3 * (size_t)corners[0], *b = raster->places + 3 * (size_t)corners[1];
     const double *c = raster->places + 3 * (size_t)corners[2];
     size_t top, bottom, left, right;
-    if (!sample_range(smallest(a[1], b[1], c[1]), greatest(a[1], b[1], c[1]), from, to, &top, &bottom) ||
-        !sample_range(smallest(a[0], b[0], c[0]), greatest(a[0], b[0], c[0]), 0, raster->columns, &left, &right))
+    if (!sample_range(fmin(fmin(a[1], b[1]), c[1]), fmax(fmax(a[1], b[1]), c[1]), from, to, &top, &bottom) ||
+        !sample_range(fmin(fmin(a[0], b[0]), c[0]), fmax(fmax(a[0], b[0]), c[0]), 0, raster->columns, &left, &right))
         return;
     double area = vector2_turn(a, b, c);
     if (area == 0)
@@ -100,7 +88,8 @@ bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, s
     return BAT_OK;
 }
 
-void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char *marks)
+void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char mark,
+                      unsigned char *marks)
 {
     const double *a = raster->places + 3 * (size_t)from, *b = raster->places + 3 * (size_t)to;
     double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, half = width / 2;
@@ -118,7 +107,7 @@ void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, dou
             size_t sample = y * raster->columns + x;
             if (hypot(across - share * along[0], down - share * along[1]) <= half &&
                 (double)raster->depths[sample] <= depth + width)
-                marks[sample] = 1;
+                marks[sample] = mark;
         }
 }
 

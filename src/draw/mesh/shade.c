@@ -129,6 +129,10 @@ static const draw_colour WIRE = {0.13, 0.15, 0.19};
 static const draw_colour BOUNDARY = {0.02, 0.33, 0.62};
 
 #define WIRE_OPACITY 0.8
+#define OUTLINE_OPACITY 0.75
+
+#define LINE_OUTLINE 1
+#define LINE_BOUNDARY 2
 /// The width of boundaries, relative to wires.
 #define BOUNDARY_WIDENING 2.6
 /// The reach of ambient occlusion, relative to the larger side of the picture.
@@ -144,7 +148,7 @@ typedef struct shading
     mesh_raster raster;
     mesh_surface surface;
     float *light;                                       ///< for each pixel: its ambient light
-    unsigned char *lines;                               ///< for each sample: whether a boundary is drawn there; or null
+    unsigned char *lines;                               ///< for each sample: LINE_BOUNDARY, LINE_OUTLINE or 0; or null
     draw_colour clay, inside, no_value, wire, boundary; ///< in linear light
 } shading;
 
@@ -206,7 +210,7 @@ static draw_colour base_colour(const shading *s, const visible_point *visible)
     const uint32_t *corners = task->mesh->faces + 3 * (size_t)visible->face;
     double value = 0;
     for (int c = 0; c < 3; c++)
-        value += visible->share[c] * task->values[corners[c]];
+        value += visible->share[c] * task->values[task->by_corner ? 3 * (size_t)visible->face + (size_t)c : corners[c]];
     if (isnan(value))
         return s->no_value;
     double share = (value - task->value_low) / (task->value_high - task->value_low);
@@ -267,12 +271,6 @@ static double wire_opacity(const shading *s, const visible_point *visible)
     return WIRE_OPACITY * ramp(WIRE_GONE_AT, WIRE_FADES_FROM, longest / SHADE_SAMPLES);
 }
 
-static draw_colour lay_over(draw_colour below, draw_colour above, double share)
-{
-    return (draw_colour){below.red + share * (above.red - below.red), below.green + share * (above.green - below.green),
-                         below.blue + share * (above.blue - below.blue)};
-}
-
 static draw_colour sample_colour(const shading *s, size_t x, size_t y, double open)
 {
     const shade_task *task = s->task;
@@ -283,7 +281,7 @@ static draw_colour sample_colour(const shading *s, size_t x, size_t y, double op
     light = clay ? light : 0.38 + 0.66 * light;
     draw_colour colour = {base.red * light + glow, base.green * light + glow, base.blue * light + glow};
     if (task->wires)
-        colour = lay_over(colour, s->wire, wire_opacity(s, &visible) * cover_edges(s, &visible, task->line));
+        colour = style_mix(s->wire, colour, wire_opacity(s, &visible) * cover_edges(s, &visible, task->line));
     return colour;
 }
 
@@ -303,10 +301,12 @@ static uint32_t shade_pixel(const shading *s, size_t column, size_t row)
         {
             size_t x = column * SHADE_SAMPLES + k, y = row * SHADE_SAMPLES + i;
             size_t sample = y * s->raster.columns + x;
-            bool line = s->lines != NULL && s->lines[sample] != 0;
-            if (s->raster.faces[sample] == RASTER_NO_FACE && !line)
+            unsigned char line = s->lines != NULL ? s->lines[sample] : 0;
+            if (s->raster.faces[sample] == RASTER_NO_FACE && line != LINE_BOUNDARY)
                 continue;
-            draw_colour colour = line ? s->boundary : sample_colour(s, x, y, open);
+            draw_colour colour = line == LINE_BOUNDARY ? s->boundary : sample_colour(s, x, y, open);
+            if (line == LINE_OUTLINE)
+                colour = style_mix(s->wire, colour, OUTLINE_OPACITY);
             sum.red += colour.red;
             sum.green += colour.green;
             sum.blue += colour.blue;
@@ -362,21 +362,22 @@ static bat_status find_occlusion(shading *s, bat_error *error)
     return status;
 }
 
-static bat_status draw_boundaries(shading *s, bat_error *error)
+/// Draw outlines, then boundaries.
+static bat_status draw_lines(shading *s, bat_error *error)
 {
-    const bat_mesh *mesh = s->task->mesh;
+    const shade_task *task = s->task;
+    const bat_mesh *mesh = task->mesh;
     size_t count = s->raster.columns * s->raster.rows;
-    for (size_t h = 0; h < 3 * mesh->face_count; h++)
-    {
-        if (!mesh_edge_at_boundary(&s->surface, h / 3, h % 3))
-            continue;
-        if (s->lines == NULL)
-            s->lines = calloc(count, 1);
-        if (s->lines == NULL)
-            return error_memory(error, count);
-        mesh_raster_line(&s->raster, mesh->faces[h], mesh->faces[bat_mesh_next((uint32_t)h)],
-                         BOUNDARY_WIDENING * SHADE_SAMPLES * s->task->line, s->lines);
-    }
+    double width = SHADE_SAMPLES * task->line;
+    s->lines = calloc(count, 1);
+    if (s->lines == NULL)
+        return error_memory(error, count);
+    for (size_t k = 0; k < task->outline_count; k += 2)
+        mesh_raster_line(&s->raster, task->outlines[k], task->outlines[k + 1], width, LINE_OUTLINE, s->lines);
+    for (size_t h = 0; h < 3 * mesh->face_count && task->boundaries; h++)
+        if (mesh_edge_at_boundary(&s->surface, h / 3, h % 3))
+            mesh_raster_line(&s->raster, mesh->faces[h], mesh->faces[bat_mesh_next((uint32_t)h)], BOUNDARY_WIDENING * width,
+                             LINE_BOUNDARY, s->lines);
     return BAT_OK;
 }
 
@@ -400,15 +401,19 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
                  .no_value = linear_colour(NO_VALUE),
                  .wire = linear_colour(WIRE),
                  .boundary = linear_colour(BOUNDARY)};
-    mesh_placing placing = mesh_placing_zoom(&task->placing, SHADE_SAMPLES);
+    // the same placement, with more samples than pixels
+    mesh_placing placing = task->placing;
+    placing.scale *= SHADE_SAMPLES;
+    for (int c = 0; c < 2; c++)
+        placing.origin[c] *= SHADE_SAMPLES;
     bat_status status = mesh_surface_make(task->mesh, task->polygons, task->flat, task->threads, &s.surface, error);
     if (status == BAT_OK)
         status = mesh_raster_make(task->mesh, &placing, SHADE_SAMPLES * task->columns, SHADE_SAMPLES * task->rows,
                                   task->threads, &s.raster, error);
     if (status == BAT_OK && task->occlusion)
         status = find_occlusion(&s, error);
-    if (status == BAT_OK && task->boundaries)
-        status = draw_boundaries(&s, error);
+    if (status == BAT_OK && (task->boundaries || task->outline_count > 0))
+        status = draw_lines(&s, error);
     if (status == BAT_OK)
         shade_all(&s, pixels, stride);
     memory_pool_free(&s.surface.pool);

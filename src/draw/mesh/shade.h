@@ -40,12 +40,6 @@ mesh_frame mesh_frame_join(const mesh_frame *a, const mesh_frame *b);
 /// Place a frame in the centre of an image, as large as its margin allows.
 mesh_placing mesh_frame_place(const mesh_frame *frame, const mesh_view *view, size_t columns, size_t rows);
 
-/// The same placement in an image with `times` as many pixels in each direction.
-static inline mesh_placing mesh_placing_zoom(const mesh_placing *placing, double times)
-{
-    return (mesh_placing){placing->view, times * placing->scale, {times * placing->origin[0], times * placing->origin[1]}};
-}
-
 /// Rotate a point into the directions to the right, upwards and to the eye.
 static inline void mesh_view_turn(const mesh_view *view, const double *point, double turned[3])
 {
@@ -83,8 +77,9 @@ bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, s
                             mesh_raster *raster, bat_error *error);
 
 /// Mark the samples of a line between two vertices where nothing is in front of it by more than its width.
-/// @param marks columns x rows, row by row
-void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char *marks);
+/// @param marks columns x rows, row by row; receives `mark`
+void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char mark,
+                      unsigned char *marks);
 
 /// The barycentric coordinates of a point of the image in the projection of a face. They are in 0 … 1 up to rounding for the
 /// face's samples. For faces seen edge-on they only have the sum 1.
@@ -128,6 +123,9 @@ typedef struct shade_task
     const bat_mesh *mesh;     ///< triangles
     const bat_mesh *polygons; ///< that the mesh is cut from, or null
     const double *values;     ///< at the vertices, or null
+    bool by_corner;           ///< the values are at the corners of the triangles
+    const uint32_t *outlines; ///< vertices; each two are joined by a line
+    size_t outline_count;     ///< of vertices
     double value_low, value_high;
     colour_scale *scale; ///< of the values; null: colour_scale_at()
     bool grey;           ///< without the values

@@ -18,18 +18,11 @@ static void moments_of(const bat_mesh *mesh, const int axes[3], double moments[3
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const uint32_t *corner = mesh->faces + 3 * f;
-        const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1];
-        const double *c = mesh->positions + 3 * (size_t)corner[2];
-        double u[3], v[3], middle[3];
-        for (int i = 0; i < 3; i++)
-        {
-            int k = axes[i];
-            u[i] = b[k] - a[k];
-            v[i] = c[k] - a[k];
-            middle[i] = (a[k] + b[k] + c[k]) / 3;
-        }
-        double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-        double area = sqrt(x * x + y * y + z * z);
+        double normal[3], middle[3] = {0};
+        vector3_face(mesh->positions, corner, normal);
+        for (int i = 0; i < 9; i++)
+            middle[i / 3] += mesh->positions[3 * (size_t)corner[i % 3] + (size_t)axes[i / 3]] / 3;
+        double area = vector3_length(normal);
         total += area;
         for (int i = 0; i < 3; i++)
         {
