@@ -2,6 +2,7 @@
 #define BATTEN_SURFACE_PICTURE_H
 
 #include "batten/cloud.h"
+#include "batten/shell.h"
 #include "batten/spline.h"
 
 BAT_C_BEGIN
@@ -70,6 +71,16 @@ typedef struct bat_surface_inspection
 BAT_API bat_status bat_surface_picture_inspect(const char *path, const bat_surface_picture_row *rows, size_t count,
                                                const bat_surface_inspection *inspection,
                                                const bat_surface_picture_options *options, bat_error *error);
+
+/// Draw a shell with the sides of its faces and, beside it, points by their distances from it. Views other than shaded leave
+/// out the sides.
+/// @param title   may be null
+/// @param points  count x 3; with 0 points the shell is alone
+/// @param options null for the defaults, with panels of 640 pixels
+/// @return as bat_surface_picture_inspect(); BAT_INVALID_ARGUMENT also for a shell without faces
+BAT_API bat_status bat_shell_picture_write(const char *path, const char *title, const bat_shell *shell, const double *points,
+                                           size_t count, const bat_surface_inspection *inspection,
+                                           const bat_surface_picture_options *options, bat_error *error);
 
 BAT_C_END
 

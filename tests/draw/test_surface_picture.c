@@ -389,8 +389,9 @@ static void errors_are_colours(void **state)
     for (int step = 0; step <= 4; step++)
     {
         double distance = 0.25 * step;
-        bat_surface_picture_row panel = {.cloud = &cloud, .distances = &distance};
+        bat_surface_picture_row panel = {.cloud = &cloud};
         surface_row row = row_from_above(&panel);
+        row.distances = &distance;
         cairo_t *cairo = open_paper();
         assert_int_equal(
             surface_view_draw(&row, SURFACE_PANEL_ERRORS, &(surface_colours){.highest = 1}, cairo, PAPER, 4, NULL), BAT_OK);
@@ -414,8 +415,9 @@ static void surfaces_hide_points(void **state)
     {
         double points[3] = {0.5, 0.5, heights[i]};
         bat_cloud cloud = {.points = points, .count = 1};
-        bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .distances = &distances[i]};
+        bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat};
         surface_row row = row_from_above(&panel);
+        row.distances = &distances[i];
         cairo_t *cairo = open_paper();
         assert_int_equal(
             surface_view_draw(&row, SURFACE_PANEL_ERRORS, &(surface_colours){.highest = 0.01}, cairo, PAPER, 1, NULL),
@@ -564,10 +566,10 @@ static void distances_have_sides(void **state)
     bat_spline_surface flat = make_flat(2);
     double points[6] = {0.5, 0.5, 0.4, 0.5, 0.5, -0.3}, distances[2] = {0.4, 0.3}, parameters[4] = {0.5, 0.5, 0.5, 0.5};
     bat_cloud cloud = {.points = points, .count = 2};
-    bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .distances = distances, .parameters = parameters};
+    bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .parameters = parameters};
     for (int turned = 0; turned < 2; turned++)
     {
-        surface_row row = {.panel = &panel, .turned = turned != 0};
+        surface_row row = {.panel = &panel, .distances = distances, .turned = turned != 0};
         assert_int_equal(surface_row_sign(&row, NULL), BAT_OK);
         assert_true(row.signed_distances[0] == (turned ? -0.4 : 0.4) && row.signed_distances[1] == (turned ? 0.3 : -0.3));
         free(row.signed_distances);
@@ -637,6 +639,143 @@ static void inspections_are_drawn(void **state)
     free_row(&sample);
 }
 
+/// The same of a patch of a shell, z = -3 (u - 1/2)^2 - (v - 1/2)^2, at the top.
+static void curvature_is_that_of_the_patch(void **state)
+{
+    (void)state;
+    static const double SQUARE[4] = {0.25, -1.0 / 12, -1.0 / 12, 0.25};
+    double patch[48];
+    for (int k = 0; k < 16; k++)
+    {
+        patch[3 * k] = k % 4 / 3.0;
+        patch[3 * k + 1] = k / 4 / 3.0; // NOLINT(bugprone-integer-division): the row
+        patch[3 * k + 2] = -3 * SQUARE[k % 4] - SQUARE[k / 4];
+    }
+    bat_shell shell = {.face_count = 1, .spans = 1, .patches = patch};
+    for (int turned = 0; turned < 2; turned++)
+    {
+        double end = 0;
+        // With two samples, the first quad has the top at its third corner.
+        surface_row row = {.shell = &shell, .samples = 2, .turned = turned != 0, .patch = {.face_count = 1}};
+        assert_int_equal(surface_row_inspect(&row, false, NULL, &end, NULL), BAT_OK);
+        check_near(row.values[2], turned ? -4 : 4, 1e-12);
+        free(row.values);
+    }
+}
+
+/// A shell through points of a sphere of radius 2 about (0, 0, 1), evenly spread. Release the points with free().
+static bat_shell make_ball(size_t count, double **points)
+{
+    bat_shell shell;
+    bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+    options.faces = 96;
+    *points = calloc(count, 3 * sizeof **points);
+    assert_non_null(*points);
+    for (size_t i = 0; i < count; i++)
+    {
+        double z = -1 + 2 * ((double)i + 0.5) / (double)count, turn = 2.399963229728653 * (double)i;
+        (*points)[3 * i] = 2 * sqrt(1 - z * z) * cos(turn);
+        (*points)[3 * i + 1] = 2 * sqrt(1 - z * z) * sin(turn);
+        (*points)[3 * i + 2] = 1 + 2 * z;
+    }
+    assert_int_equal(bat_shell_reconstruct(*points, count, NULL, &options, &shell, NULL, NULL), BAT_OK);
+    return shell;
+}
+
+/// A sphere has the mean curvature 1/r outwards. Points beside it have the distance and side that they were moved by.
+static void shells_are_measured(void **state)
+{
+    (void)state;
+    double *points, end = 0, sum = 0, squares = 0, worst = 0;
+    bat_shell shell = make_ball(2000, &points);
+    for (size_t i = 0; i < 2000; i++)
+        for (size_t c = 0; c < 3; c++)
+            points[3 * i + c] += (i % 2 == 0 ? 0.025 : -0.025) * (points[3 * i + c] - (c == 2 ? 1 : 0));
+    bat_cloud cloud = {.points = points, .count = 2000};
+    bat_surface_picture_row panel = {.cloud = &cloud};
+    surface_row row = {.panel = &panel, .shell = &shell, .view = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+    assert_int_equal(surface_shell_make(&row, NULL), BAT_OK);
+    assert_int_equal(surface_row_inspect(&row, false, NULL, &end, NULL), BAT_OK);
+    size_t count = 3 * row.patch.face_count;
+    for (size_t k = 0; k < count; k++)
+    {
+        sum += row.values[k] / (double)count;
+        squares += (row.values[k] - 0.5) * (row.values[k] - 0.5);
+    }
+    check_near(sum, 0.5, 0.01 * 0.5);
+    assert_true(sqrt(squares / (double)count) < 0.15 * 0.5);
+    check_near(end, 3 * 0.5, 0.02);
+    assert_int_equal(surface_row_sign(&row, NULL), BAT_OK);
+    for (size_t i = 0; i < cloud.count; i++)
+        worst = fmax(worst, fabs(row.signed_distances[i] - (i % 2 == 0 ? 0.05 : -0.05)));
+    assert_true(worst < 0.004);
+    // Each side of a face is drawn once, on the shell and in steps of one sample.
+    assert_int_equal(row.outline_count, 2 * 2 * shell.face_count * shell.spans * row.samples);
+    // A turned shell exchanges corners of triangles, and the sides of the points.
+    double before = row.values[3 * 7], first = row.signed_distances[0];
+    free(row.values);
+    free(row.signed_distances);
+    row.turned = true;
+    SWAP(row.patch.faces[3 * 7], row.patch.faces[3 * 7 + 1]);
+    assert_int_equal(surface_row_inspect(&row, false, NULL, &end, NULL), BAT_OK);
+    assert_int_equal(surface_row_sign(&row, NULL), BAT_OK);
+    check_near(row.values[3 * 7 + 1], -before, 1e-12);
+    check_near(row.signed_distances[0], -first, 1e-15);
+    free(row.values);
+    free(row.signed_distances);
+    bat_mesh_free(&row.patch);
+    memory_pool_free(&row.pool);
+    bat_shell_free(&shell);
+    free(points);
+}
+
+/// Views, bands and the lack of points draw other pictures, and wrong input is refused.
+static void shells_are_drawn(void **state)
+{
+    (void)state;
+    double *points;
+    const double bands[2] = {0.001, 0.002};
+    bat_shell shell = make_ball(1000, &points);
+    bat_surface_picture_options options = {.width = 120};
+    const bat_surface_inspection inspections[] = {{.view = BAT_SURFACE_VIEW_SHADED}, {.view = BAT_SURFACE_VIEW_SHADED},
+                                                  {.view = BAT_SURFACE_VIEW_ZEBRA},  {.view = BAT_SURFACE_VIEW_CURVATURE},
+                                                  {.bands = bands, .band_count = 2}, {.view = BAT_SURFACE_VIEW_SHADED}};
+    char path[128], *bytes[6];
+    size_t sizes[6];
+    bat_error error;
+    path_of(path, "shell.png");
+    for (size_t k = 0; k < 6; k++)
+    {
+        assert_int_equal(
+            bat_shell_picture_write(path, "A shell", &shell, points, k == 5 ? 0 : 1000, &inspections[k], &options, &error),
+            BAT_OK);
+        bytes[k] = slurp(path, &sizes[k]);
+        assert_int_equal(unlink(path), 0);
+    }
+    for (size_t k = 1; k < 6; k++)
+        assert_int_equal(sizes[k] == sizes[0] && memcmp(bytes[k], bytes[0], sizes[0]) == 0, k == 1);
+    for (size_t k = 0; k < 6; k++)
+        free(bytes[k]);
+
+    const bat_surface_inspection wrong[] = {{(bat_surface_view)3, NULL, 0}, {.bands = bands, .band_count = 5}};
+    for (size_t k = 0; k < 2; k++)
+        assert_int_equal(bat_shell_picture_write(path, NULL, &shell, points, 1000, &wrong[k], NULL, &error),
+                         BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_shell_picture_write("shell.txt", NULL, &shell, points, 1000, NULL, NULL, &error),
+                     BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_shell_picture_write(path, "\n", &shell, NULL, 0, NULL, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_shell_picture_write(path, NULL, &shell, NULL, 1, NULL, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_shell_picture_write(path, NULL, &(bat_shell){0}, points, 1000, NULL, NULL, &error),
+                     BAT_INVALID_ARGUMENT);
+    points[3 * 7] = NAN;
+    assert_int_equal(bat_shell_picture_write(path, NULL, &shell, points, 1000, NULL, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.index, 7);
+    shell.patches[48 + 4] = INFINITY;
+    assert_int_equal(bat_shell_picture_write(path, NULL, &shell, NULL, 0, NULL, NULL, &error), BAT_INVALID_POINT);
+    bat_shell_free(&shell);
+    free(points);
+}
+
 static void wrong_input_is_refused(void **state)
 {
     (void)state;
@@ -700,6 +839,9 @@ int main(void)
         cmocka_unit_test(distances_have_sides),
         cmocka_unit_test(curvature_is_that_of_the_surface),
         cmocka_unit_test(inspections_are_drawn),
+        cmocka_unit_test(curvature_is_that_of_the_patch),
+        cmocka_unit_test(shells_are_measured),
+        cmocka_unit_test(shells_are_drawn),
         cmocka_unit_test(wrong_input_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -46,23 +46,34 @@ void surface_band_label(const bat_surface_inspection *inspection, size_t band, d
         (void)snprintf(label, size, "%s%g to %s%g: %.2f %%", sign, from, sign, inspection->bands[out], 100 * share);
 }
 
+/// The point and the derivatives of a row's surface at a point's parameters, or without these of its shell at a place.
+static bat_status derivatives_at(const surface_row *row, const double *parameters, size_t point, shell_place place,
+                                 double at[18], bat_error *error)
+{
+    if (parameters != NULL)
+        return bat_spline_surface_evaluate(row->panel->surface, parameters + 2 * point, 1, 2, at, error);
+    shell_patch_derivatives(row->shell->patches + 48 * (size_t)place.face, place.u, place.v, 6, at);
+    return BAT_OK;
+}
+
 bat_status surface_row_sign(surface_row *row, bat_error *error)
 {
     const bat_surface_picture_row *panel = row->panel;
-    double most[2] = {0}, at[9], normal[3], from[3];
+    double most[2] = {0}, at[18], normal[3], from[3];
     row->signed_distances = memory_array(panel->cloud->count, sizeof *row->signed_distances);
     if (row->signed_distances == NULL)
         return error_memory(error, panel->cloud->count * sizeof *row->signed_distances);
     for (size_t i = 0; i < panel->cloud->count; i++)
     {
-        bat_status status = bat_spline_surface_evaluate(panel->surface, panel->parameters + 2 * i, 1, 1, at, error);
+        shell_place place = row->places != NULL ? row->places[i] : (shell_place){0};
+        bat_status status = derivatives_at(row, panel->parameters, i, place, at, error);
         if (status != BAT_OK)
             return status;
         vector3_cross(at + 3, at + 6, normal);
         vector3_subtract(panel->cloud->points + 3 * i, at, from);
         bool front = (vector3_dot(from, normal) < 0) == row->turned;
-        row->signed_distances[i] = front ? panel->distances[i] : -panel->distances[i];
-        most[!front] = fmax(most[!front], panel->distances[i]);
+        row->signed_distances[i] = front ? row->distances[i] : -row->distances[i];
+        most[!front] = fmax(most[!front], row->distances[i]);
     }
     (void)snprintf(row->captions[SURFACE_PANEL_ERRORS], SURFACE_CAPTION_SIZE,
                    "largest +%.3g and " MINUS "%.3g; + is towards the viewer", most[0], most[1]);
@@ -93,24 +104,29 @@ bat_status surface_row_inspect(surface_row *row, bool zebra, const double *param
     static const double STRIPES = 18, WIDTHS[2] = {0.25, 8}, MEANS = 3;
     const bat_mesh *patch = &row->patch;
     double low = INFINITY, high = -INFINITY, sum = 0, at[18];
-    row->values = memory_array(patch->vertex_count, sizeof *row->values);
+    size_t count = row->shell != NULL ? 3 * patch->face_count : patch->vertex_count;
+    row->values = memory_array(count, sizeof *row->values);
     if (row->values == NULL)
-        return error_memory(error, patch->vertex_count * sizeof *row->values);
-    for (size_t v = 0; v < patch->vertex_count; v++)
+        return error_memory(error, count * sizeof *row->values);
+    for (size_t v = 0; v < count; v++)
     {
-        bat_status status = bat_spline_surface_evaluate(row->panel->surface, parameters + 2 * v, 1, 2, at, error);
+        const double corner[3] = {v % 3 == 0, v % 3 == 1, v % 3 == 2};
+        shell_place place = {0};
+        if (row->shell != NULL)
+            place = surface_shell_place(row, v / 3, corner);
+        bat_status status = derivatives_at(row, parameters, v, place, at, error);
         if (status != BAT_OK)
             return status;
         row->values[v] = value_of(row, zebra, at);
     }
     for (size_t f = 0; f < patch->face_count; f++)
     {
-        double value = row->values[patch->faces[3 * f]];
+        double value = row->values[row->shell != NULL ? 3 * f : patch->faces[3 * f]];
         box_include(1, &value, &low, &high);
         sum += isfinite(value) ? fabs(value) : 0;
     }
     double width = fmin(fmax((high - low) / STRIPES, WIDTHS[0]), WIDTHS[1]);
-    for (size_t v = 0; v < patch->vertex_count && zebra; v++)
+    for (size_t v = 0; v < count && zebra; v++)
         row->values[v] /= width;
     *end = zebra ? 0 : fmax(fmax(*end, MEANS * sum / (double)patch->face_count), DBL_MIN);
     (void)snprintf(row->captions[SURFACE_PANEL_PATCH], SURFACE_CAPTION_SIZE,

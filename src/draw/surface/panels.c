@@ -152,6 +152,9 @@ static bat_status paint_patch(const void *context, unsigned char *pixels, size_t
     double end = striped ? 1 : task->colours->most_curved;
     shade_task shade = {.mesh = &task->row->patch,
                         .values = task->row->values,
+                        .by_corner = task->row->shell != NULL,
+                        .outlines = task->row->outlines,
+                        .outline_count = task->grey || task->row->values != NULL ? 0 : task->row->outline_count,
                         .grey = task->grey,
                         .value_low = striped ? 0 : -end,
                         .value_high = end,
@@ -179,7 +182,7 @@ static bool is_hidden(const panel_image *task, const mesh_raster *raster, const 
 /// Draw the dots that are not hidden; the farthest from the surface come last.
 static void draw_errors(const panel_image *task, const mesh_raster *raster, image_dot *dots, const dot_image *image)
 {
-    const double *distances = task->row->panel->distances;
+    const double *distances = task->row->distances;
     size_t count = task->row->panel->cloud->count, seen = 0;
     double radius = ERROR_GROWTH * frame_radius(task, count);
     const bat_surface_inspection *inspection = &task->colours->inspection;

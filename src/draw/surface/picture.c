@@ -11,13 +11,13 @@
 #define MIN_WIDTH 60
 #define MAX_WIDTH 4000
 
-/// The first number that is not finite, or BAT_NO_INDEX.
-static size_t find_not_finite(const double *numbers, size_t count)
+/// Whether the coordinates of points are finite.
+static bat_status check_finite(const double *points, size_t count, const char *what, size_t row, bat_error *error)
 {
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(numbers[i]))
-            return i;
-    return BAT_NO_INDEX;
+    for (size_t i = 0; i < 3 * count; i++)
+        if (!isfinite(points[i]))
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "row %zu: %s %zu is not finite", row, what, i / 3);
+    return BAT_OK;
 }
 
 bat_surface_picture_options bat_surface_picture_defaults(void)
@@ -46,12 +46,12 @@ static bat_status surface_picture_options_check(const void *opaque, bat_error *e
 const bat_options_table bat_surface_picture_fields =
     OPTIONS_TABLE(bat_surface_picture_options, FIELDS, surface_picture_options_check);
 
-static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
+static bat_status check_parts(const bat_surface_picture_row *row, bool shell, size_t index, bat_error *error)
 {
     const char *wrong = NULL;
     if (!text_is_valid(row->title))
         wrong = "has a title that is not UTF-8 without control characters";
-    else if (row->cloud == NULL && row->surface == NULL)
+    else if (row->cloud == NULL && row->surface == NULL && !shell)
         wrong = "has neither a cloud nor a surface";
     else if (row->cloud == NULL && (row->distances != NULL || row->parameters != NULL))
         wrong = "has distances or parameters but no cloud";
@@ -64,9 +64,7 @@ static bat_status check_parts(const bat_surface_picture_row *row, size_t index, 
 
 static bat_status check_points(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
-    size_t count = row->cloud->count, wrong = find_not_finite(row->cloud->points, 3 * count);
-    if (wrong != BAT_NO_INDEX)
-        return error_set(error, BAT_INVALID_POINT, wrong / 3, 0, "row %zu: point %zu is not finite", index, wrong / 3);
+    size_t count = row->cloud->count;
     for (size_t i = 0; row->distances != NULL && i < count; i++)
         if (!(row->distances[i] >= 0 && isfinite(row->distances[i])))
             return error_set(error, BAT_INVALID_POINT, i, 0, "row %zu: the distance of point %zu is not a finite length",
@@ -75,15 +73,6 @@ static bat_status check_points(const bat_surface_picture_row *row, size_t index,
         if (!(row->parameters[i] >= 0 && row->parameters[i] <= 1))
             return error_set(error, BAT_INVALID_POINT, i / 2, 0,
                              "row %zu: the parameters of point %zu are not in the unit square", index, i / 2);
-    return BAT_OK;
-}
-
-static bat_status check_surface(const bat_spline_surface *surface, size_t index, bat_error *error)
-{
-    size_t wrong = find_not_finite(surface->control, 3 * bat_hierarchical_space_functions(surface->space));
-    if (wrong != BAT_NO_INDEX)
-        return error_set(error, BAT_INVALID_POINT, wrong / 3, 0, "row %zu: control point %zu is not finite", index,
-                         wrong / 3);
     return BAT_OK;
 }
 
@@ -102,22 +91,26 @@ static bat_status inspection_check(const bat_surface_inspection *inspection, con
                            BAT_SURFACE_MAX_BANDS);
 }
 
-static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
+static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count, bool shell,
                                         const bat_surface_picture_options *options, bat_error *error)
 {
     bat_status status = bat_options_check(&bat_surface_picture_fields, options, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        status = check_parts(&rows[i], i, error);
+        status = check_parts(&rows[i], shell, i, error);
+        if (status == BAT_OK && rows[i].cloud != NULL)
+            status = check_finite(rows[i].cloud->points, rows[i].cloud->count, "point", i, error);
         if (status == BAT_OK && rows[i].cloud != NULL)
             status = check_points(&rows[i], i, error);
         if (status == BAT_OK && rows[i].surface != NULL)
-            status = check_surface(rows[i].surface, i, error);
+            status = check_finite(rows[i].surface->control, bat_hierarchical_space_functions(rows[i].surface->space),
+                                  "control point", i, error);
     }
     return status;
 }
 
 #define USUAL_WIDTH 420
+#define SHELL_WIDTH 640
 /// Pixels in a point of the page; images in SVG and PDF have more.
 #define PIXELS_PER_POINT 2.0
 #define FINE_PIXELS_PER_POINT 4.0
@@ -145,13 +138,16 @@ typedef struct surface_scene
     size_t item_count;
 } surface_scene;
 
-static bool row_has(const bat_surface_picture_row *row, surface_panel_kind kind)
+static bool row_has(const surface_row *row, surface_panel_kind kind)
 {
-    if (kind == SURFACE_PANEL_CLOUD)
-        return row->cloud != NULL;
+    const bat_surface_picture_row *panel = row->panel;
     if (kind == SURFACE_PANEL_ERRORS)
         return row->distances != NULL;
-    return row->surface != NULL || (kind != SURFACE_PANEL_PATCH && row->parameters != NULL);
+    if (row->shell != NULL)
+        return kind == SURFACE_PANEL_PATCH;
+    if (kind == SURFACE_PANEL_CLOUD)
+        return panel->cloud != NULL;
+    return panel->surface != NULL || (kind != SURFACE_PANEL_PATCH && panel->parameters != NULL);
 }
 
 static void describe_cloud(const bat_cloud *cloud, char *caption)
@@ -189,10 +185,12 @@ static void describe_row(surface_row *row)
     const bat_surface_picture_row *panel = row->panel;
     if (panel->cloud != NULL)
         describe_cloud(panel->cloud, row->captions[SURFACE_PANEL_CLOUD]);
-    if (panel->cloud != NULL && panel->distances != NULL)
-        describe_errors(panel->distances, panel->cloud->count, row->captions[SURFACE_PANEL_ERRORS]);
+    if (panel->cloud != NULL && row->distances != NULL)
+        describe_errors(row->distances, panel->cloud->count, row->captions[SURFACE_PANEL_ERRORS]);
     if (panel->surface != NULL)
         describe_surface(panel->surface->space, row->captions[SURFACE_PANEL_PATCH], row->captions[SURFACE_PANEL_PLANE]);
+    else if (row->shell != NULL)
+        (void)snprintf(row->captions[SURFACE_PANEL_PATCH], SURFACE_CAPTION_SIZE, "%zu patches", row->shell->face_count);
     else if (panel->parameters != NULL)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
 }
@@ -221,7 +219,7 @@ static void choose_view(surface_row *row, size_t loop_count, const bat_surface_p
         points = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
     bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
     row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
-    if (cloud != NULL)
+    if (cloud != NULL && row->shell == NULL)
         cut_beyond_points(cloud, &row->patch);
     row->turned = surface_patch_turn(&row->patch, row->view.rotation[2]);
     mesh_frame of_surface = mesh_frame_of(row->patch.positions, row->patch.faces, 3 * row->patch.face_count, &row->view);
@@ -229,13 +227,13 @@ static void choose_view(surface_row *row, size_t loop_count, const bat_surface_p
     row->frame = mesh_frame_join(&of_cloud, &of_surface);
 }
 
-static bat_status make_row(const bat_surface_picture_row *panel, const bat_surface_picture_options *options,
-                           surface_colours *colours, surface_row *row, bat_error *error)
+static bat_status make_row(const bat_surface_picture_options *options, surface_colours *colours, surface_row *row,
+                           bat_error *error)
 {
     const bat_surface_inspection *inspection = &colours->inspection;
+    const bat_surface_picture_row *panel = row->panel;
     size_t loop_count = 0;
     double *parameters = NULL;
-    row->panel = panel;
     bat_status status = BAT_OK;
     if (panel->surface != NULL)
         status = surface_patch_make(panel->surface, &row->patch, &parameters, &loop_count, error);
@@ -243,10 +241,10 @@ static bat_status make_row(const bat_surface_picture_row *panel, const bat_surfa
         return status;
     choose_view(row, loop_count, options);
     describe_row(row);
-    if (panel->surface != NULL && inspection->view != BAT_SURFACE_VIEW_SHADED)
+    if (row->patch.face_count > 0 && inspection->view != BAT_SURFACE_VIEW_SHADED)
         status =
             surface_row_inspect(row, inspection->view == BAT_SURFACE_VIEW_ZEBRA, parameters, &colours->most_curved, error);
-    if (status == BAT_OK && panel->distances != NULL && inspection->band_count > 0)
+    if (status == BAT_OK && row->distances != NULL && inspection->band_count > 0)
         status = surface_row_sign(row, error);
     free(parameters);
     return status;
@@ -271,16 +269,16 @@ static void add_bands(surface_scene *scene)
 }
 
 /// The quantile of the distances of all points.
-static bat_status find_highest(const bat_surface_picture_row *rows, size_t count, double *highest, bat_error *error)
+static bat_status find_highest(const surface_row *rows, size_t count, double *highest, bat_error *error)
 {
     size_t total = 0, copied = 0;
     for (size_t r = 0; r < count; r++)
-        total += rows[r].distances != NULL ? rows[r].cloud->count : 0;
+        total += rows[r].distances != NULL ? rows[r].panel->cloud->count : 0;
     double *all = memory_array(total, sizeof *all);
     if (all == NULL)
         return error_memory(error, total * sizeof *all);
     for (size_t r = 0; r < count; r++)
-        for (size_t i = 0; rows[r].distances != NULL && i < rows[r].cloud->count; i++)
+        for (size_t i = 0; rows[r].distances != NULL && i < rows[r].panel->cloud->count; i++)
             all[copied++] = rows[r].distances[i];
     qsort(all, total, sizeof *all, ascending);
     double found = total > 0 ? all[(size_t)(SCALED_SHARE * (double)(total - 1))] : 0;
@@ -291,8 +289,9 @@ static bat_status find_highest(const bat_surface_picture_row *rows, size_t count
     return BAT_OK;
 }
 
-static void find_panels(const bat_surface_picture_row *rows, surface_scene *scene)
+static void find_panels(surface_scene *scene)
 {
+    const surface_row *rows = scene->rows;
     bool has_boundary = false;
     for (surface_panel_kind kind = SURFACE_PANEL_CLOUD; kind < SURFACE_PANEL_KINDS; kind++)
     {
@@ -304,29 +303,36 @@ static void find_panels(const bat_surface_picture_row *rows, surface_scene *scen
     }
     for (size_t r = 0; r < scene->count; r++)
     {
-        has_boundary = has_boundary || (rows[r].cloud != NULL && rows[r].cloud->boundary_count > 0);
+        has_boundary = has_boundary || (rows[r].panel->cloud != NULL && rows[r].panel->cloud->boundary_count > 0);
         scene->has_errors = scene->has_errors || (rows[r].distances != NULL && scene->colours.inspection.band_count == 0);
-        scene->title_room = text_given(rows[r].title) ? TITLE_ROOM : scene->title_room;
+        scene->title_room = text_given(rows[r].panel->title) ? TITLE_ROOM : scene->title_room;
     }
     if (has_boundary)
         legend_add(scene->items, &scene->item_count,
                    (legend_item){.label = "boundary points", .mark = LEGEND_DOT, .line = {.colour = COLOUR_BOUNDARY_POINT}});
 }
 
-static bat_status scene_begin(const bat_surface_picture_row *rows, size_t count, const bat_surface_inspection *inspection,
-                              const bat_surface_picture_options *options, surface_scene *scene, bat_error *error)
+static bat_status scene_begin(const bat_surface_picture_row *rows, size_t count, const bat_shell *shell,
+                              const bat_surface_inspection *inspection, const bat_surface_picture_options *options,
+                              surface_scene *scene, bat_error *error)
 {
     *scene = (surface_scene){.rows = calloc(count, sizeof *scene->rows),
                              .count = count,
                              .colours = {.inspection = *inspection, .highest = options->largest_error}};
     if (scene->rows == NULL)
         return error_memory(error, count * sizeof *scene->rows);
-    find_panels(rows, scene);
     bat_status status = BAT_OK;
-    if (scene->colours.highest == 0)
-        status = find_highest(rows, count, &scene->colours.highest, error);
     for (size_t r = 0; r < count && status == BAT_OK; r++)
-        status = make_row(&rows[r], options, &scene->colours, &scene->rows[r], error);
+    {
+        scene->rows[r] = (surface_row){.panel = &rows[r], .shell = shell, .distances = rows[r].distances};
+        status = shell != NULL ? surface_shell_make(&scene->rows[r], error) : BAT_OK;
+    }
+    if (status == BAT_OK)
+        find_panels(scene);
+    if (status == BAT_OK && scene->colours.highest == 0)
+        status = find_highest(scene->rows, count, &scene->colours.highest, error);
+    for (size_t r = 0; r < count && status == BAT_OK; r++)
+        status = make_row(options, &scene->colours, &scene->rows[r], error);
     if (status == BAT_OK && inspection->band_count > 0)
         add_bands(scene);
     return status;
@@ -374,7 +380,7 @@ static bat_status draw_panel(const void *context, cairo_t *cairo, size_t index, 
     const double below[4] = {box[0], box[1] + scene->title_room, box[2], box[3] - scene->title_room};
     if (index % scene->columns == 0 && text_given(row->panel->title))
         draw_title(scene, cairo, row->panel->title, box);
-    if (!row_has(row->panel, kind_at(scene, index)))
+    if (!row_has(row, kind_at(scene, index)))
         return BAT_OK;
     if (kind_at(scene, index) == SURFACE_PANEL_PLANE)
         return surface_plane_draw(row, cairo, below, scene->per_point, error);
@@ -397,7 +403,8 @@ static bat_status write_scene(const char *path, const surface_scene *scene, int 
 {
     bat_curve_picture_options page = bat_curve_picture_defaults();
     page.pixels_per_point = PIXELS_PER_POINT;
-    double panel = (width > 0 ? width : USUAL_WIDTH) / PIXELS_PER_POINT;
+    double usual = scene->rows->shell != NULL ? SHELL_WIDTH : USUAL_WIDTH,
+           panel = (width > 0 ? width : usual) / PIXELS_PER_POINT;
     sheet_content content = {.count = scene->count * scene->columns,
                              .columns = scene->columns,
                              .options = &page,
@@ -413,15 +420,9 @@ static bat_status write_scene(const char *path, const surface_scene *scene, int 
     return sheet_write(path, &content, error);
 }
 
-bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
-                                     const bat_surface_picture_options *options, bat_error *error)
-{
-    return bat_surface_picture_inspect(path, rows, count, NULL, options, error);
-}
-
-bat_status bat_surface_picture_inspect(const char *path, const bat_surface_picture_row *rows, size_t count,
-                                       const bat_surface_inspection *inspection, const bat_surface_picture_options *options,
-                                       bat_error *error)
+static bat_status write_rows(const char *path, const bat_surface_picture_row *rows, size_t count, const bat_shell *shell,
+                             const bat_surface_inspection *inspection, const bat_surface_picture_options *options,
+                             bat_error *error)
 {
     static const bat_surface_inspection NONE;
     const bat_surface_picture_options defaults = bat_surface_picture_defaults();
@@ -432,22 +433,48 @@ bat_status bat_surface_picture_inspect(const char *path, const bat_surface_pictu
     inspection = inspection != NULL ? inspection : &NONE;
     bat_status status = canvas_format_of(path, &format, error);
     if (status == BAT_OK)
-        status = surface_picture_check(rows, count, options, error);
+        status = surface_picture_check(rows, count, shell != NULL, options, error);
     if (status == BAT_OK)
         status = inspection_check(inspection, rows, count, error);
     if (status != BAT_OK)
         return status;
     surface_scene scene;
-    status = scene_begin(rows, count, inspection, options, &scene, error);
+    status = scene_begin(rows, count, shell, inspection, options, &scene, error);
     scene.per_point = format == CANVAS_PNG ? PIXELS_PER_POINT : FINE_PIXELS_PER_POINT;
     if (status == BAT_OK)
         status = write_scene(path, &scene, options->width, error);
     for (size_t r = 0; scene.rows != NULL && r < scene.count; r++)
     {
+        memory_pool_free(&scene.rows[r].pool);
         bat_mesh_free(&scene.rows[r].patch);
         free(scene.rows[r].values);
         free(scene.rows[r].signed_distances);
     }
     free(scene.rows);
     return status;
+}
+
+bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
+                                     const bat_surface_picture_options *options, bat_error *error)
+{
+    return write_rows(path, rows, count, NULL, NULL, options, error);
+}
+
+bat_status bat_surface_picture_inspect(const char *path, const bat_surface_picture_row *rows, size_t count,
+                                       const bat_surface_inspection *inspection, const bat_surface_picture_options *options,
+                                       bat_error *error)
+{
+    return write_rows(path, rows, count, NULL, inspection, options, error);
+}
+
+bat_status bat_shell_picture_write(const char *path, const char *title, const bat_shell *shell, const double *points,
+                                   size_t count, const bat_surface_inspection *inspection,
+                                   const bat_surface_picture_options *options, bat_error *error)
+{
+    const bat_cloud cloud = {.points = (double *)points, .count = count};
+    if (shell == NULL || shell->face_count == 0 || (points == NULL && count > 0))
+        return ERROR_ARGUMENT(error, "a picture needs a shell with patches, and the points that are counted");
+    const bat_surface_picture_row row = {.title = title, .cloud = count > 0 ? &cloud : NULL};
+    bat_status status = check_finite(shell->patches, 16 * shell->cage.face_count, "B\xc3\xa9zier point", 0, error);
+    return status != BAT_OK ? status : write_rows(path, &row, 1, shell, inspection, options, error);
 }

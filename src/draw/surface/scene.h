@@ -3,6 +3,7 @@
 #include "batten/spline.h"
 #include "batten/surface_picture.h"
 #include "draw/mesh/shade.h"
+#include "surface/shell/shell.h"
 
 /// @file
 /// The content of pictures of fitted surfaces, their panels, and the drawing of patches and dots.
@@ -22,11 +23,17 @@ typedef enum surface_panel_kind
 typedef struct surface_row
 {
     const bat_surface_picture_row *panel;
-    bat_mesh patch; ///< the triangulated surface; no faces without a surface
+    const bat_shell *shell;        ///< instead of a surface, or null
+    shell_place *places;           ///< of the points on the shell
+    const double *distances;       ///< of the points; may be null
+    uint32_t *outlines;            ///< vertices; each two are joined along the side of a shell's face
+    size_t outline_count, samples; ///< vertices; of a shell's patch and direction
+    memory_pool pool;              ///< of what a shell has
+    bat_mesh patch;                ///< the triangulated surface or shell; no faces without one
     mesh_view view;
     mesh_frame frame;
-    bool turned;              ///< the front is where -S_u x S_v points
-    double *values;           ///< of the vertices of the patch, for views that are not shaded
+    bool turned;    ///< the front is where -S_u x S_v points
+    double *values; ///< at the vertices of the patch or corners of a shell's triangles, for views that are not shaded
     double *signed_distances; ///< of the points, positive in front; null without bands
     char captions[SURFACE_PANEL_KINDS][SURFACE_CAPTION_SIZE];
 } surface_row;
@@ -57,6 +64,12 @@ bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const doub
 /// @return BAT_OK, a failure of bat_spline_surface_evaluate(), or BAT_NO_MEMORY
 bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, double **parameters, size_t *loop_count,
                               bat_error *error);
+
+/// Triangulate the shell of a row, find its outlines, and the places and distances of the points.
+bat_status surface_shell_make(surface_row *row, bat_error *error);
+
+/// The place on the shell of barycentric coordinates in a triangle.
+shell_place surface_shell_place(const surface_row *row, size_t triangle, const double share[3]);
 
 /// Remove the triangles with a vertex outside of a box.
 void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3]);
