@@ -88,8 +88,8 @@ static const option_spec OPTIONS[] = {
     {"cage", "FILE", RESULT, IS_WRITTEN, "with --shell: write the control points as a mesh of quads, .obj with creases",
      TEXT(surface_job, cage)},
     {"parameters", "FILE", RESULT, IS_WRITTEN, "write u v of each point, in the order of IN", TEXT(surface_job, parameters)},
-    {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw cloud, surface, distances and parameters (.png, .svg or .pdf)",
-     NO_FIELD},
+    {"picture", "FILE", PICTURE, COMMON | IS_DRAWN,
+     "draw surface and distances, of a patch also cloud and parameters (.png, .svg or .pdf)", NO_FIELD},
     {"bands", "T,...", PICTURE, 0, "colour the points of the picture by these distances and by side, as 0.1,0.2", NO_FIELD},
     {"view", "NAME", PICTURE, 0, "of the surface in the picture: {}; default shaded",
      CHOICE(surface_job, view, bat_surface_view_family)},
@@ -201,7 +201,7 @@ static bool check(void *of)
          "--fill-holes goes with --trim or --shell"},
         {argument(given, "close-gaps") != NULL && !job->options.trim, "--close-gaps goes with --trim"},
         {argument(given, "edges") != NULL && !job->options.trim, "--edges goes with --trim"},
-        {inspects && (job->call.picture == NULL || job->shell), "--bands and --view go with --picture, without --shell"},
+        {inspects && job->call.picture == NULL, "--bands and --view go with --picture"},
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
         {argument(given, "crease-angle") != NULL && job->options.trim, "--crease-angle goes with shells, not with --trim"},
         {job->shell && (job->parameters != NULL || job->parameter_file != NULL || argument(given, "functions") != NULL),
@@ -231,11 +231,22 @@ static bool leads_to_shell(surface_job *job)
     if (job->call.output != NULL && job->write.format == BAT_SURFACE_FORMAT_AUTO)
         (void)bat_choice_of_path(&bat_surface_format_family, job->call.output, true, &row, NULL);
     int format = row != NULL ? row->value : (int)job->write.format;
-    bool inspects = job->bands.count > 0 || job->view != BAT_SURFACE_VIEW_SHADED;
-    bool outlined = inspects || job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
+    bool outlined = job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
     return bat_shell_follows(&job->options, outlined || job->model_file != NULL || job->parameters != NULL, report_error(),
                              &job->shell_options) &&
            (format == BAT_SURFACE_FORMAT_AUTO || format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_OBJ);
+}
+
+/// Draw the shell, and the points that it was fitted to.
+static bat_status draw_shell(const surface_job *job, const double *points, size_t count)
+{
+    const bat_surface_inspection inspection = {job->view, job->bands.numbers, job->bands.count};
+    const bat_shell_report *report = &job->shell_report;
+    char title[240];
+    (void)snprintf(title, sizeof title, "%s shell of %zu patches: root mean square distance of the points %.3g",
+                   job->made.closed ? "closed" : "open", job->made.face_count, report->rms);
+    return bat_shell_picture_write(output_path(&job->call.files, "picture"), title, &job->made, points, count, &inspection,
+                                   NULL, report_error());
 }
 
 static int make_shell(surface_job *job)
@@ -259,23 +270,15 @@ static int make_shell(surface_job *job)
     if (status == BAT_OK)
         status = bat_shell_reconstruct(job->cloud.points, job->cloud.count, mesh, options, &job->made, &job->shell_report,
                                        report_error());
-    bat_mesh_free(&read);
     int code = report_status(job->call.given, job->call.input, status);
     if (code == EXIT_DONE && job->cage != NULL)
         code = report_status(NULL, job->cage,
                              bat_mesh_write(output_path(&job->call.files, "cage"), &job->made.cage, NULL, report_error()));
     if (code == EXIT_DONE && job->call.picture != NULL)
-    {
-        bat_mesh sampled;
-        status = bat_shell_tessellate(&job->made, 6, &sampled, report_error());
-        if (status == BAT_OK)
-        {
-            const bat_mesh_picture_panel panel = {.mesh = &sampled, .title = job->call.input};
-            status = bat_mesh_picture_write(output_path(&job->call.files, "picture"), &panel, 1, NULL, report_error());
-            bat_mesh_free(&sampled);
-        }
-        code = report_status(NULL, job->call.picture, status);
-    }
+        code = report_status(NULL, job->call.picture,
+                             read.vertex_count > 0 ? draw_shell(job, read.positions, read.vertex_count)
+                                                   : draw_shell(job, job->cloud.points, job->cloud.count));
+    bat_mesh_free(&read);
     return code;
 }
 

@@ -47,8 +47,18 @@ for view in zebra curvature; do
 done
 "$batten" surface wave.json --picture converted.png --view zebra --quiet
 check "a surface that is converted has views" test -s converted.png
+"$batten" surface ball.xyz --shell --patches 100 --picture sides.svg --quiet
+"$batten" surface ball.xyz --bands 0.01,0.02 --picture sides-bands.svg --quiet
+check "bands change the picture of what becomes a shell" sh -c 'test -s sides-bands.svg && ! cmp -s sides.svg sides-bands.svg'
+for view in zebra curvature; do
+    for threads in 1 2; do
+        OMP_NUM_THREADS=$threads "$batten" surface ball.xyz --shell --patches 100 --picture $view$threads.png --view $view --quiet
+    done
+    check "view $view of a shell, for any threads" cmp ${view}1.png ${view}2.png
+done
+check "views of a shell differ" sh -c '! cmp -s zebra1.png curvature1.png'
 for wrong in "--bands 0.1" "--view zebra" "--picture x.png --bands 0.2,0.1" "--picture x.png --bands 1,2,3,4,5" \
-    "--picture x.png --view zebra --shell"; do
+    "--shell --view zebra"; do
     # shellcheck disable=SC2086
     "$batten" surface wave.xyz $wrong > wrong.txt 2>&1
     check "$wrong is refused" test $? -eq 2
