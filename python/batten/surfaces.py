@@ -193,9 +193,17 @@ class Shell:
         """Draw the shell, as :meth:`Mesh.plot`."""
         return self.mesh(samples).plot(ax, interactive=interactive, **style)
 
+    def picture(self, points: ArrayLike | None = None, *, view: str = "shaded", bands: ArrayLike = (), suffix: str = "png", **settings: Any) -> bytes:
+        """A picture by the library, as the bytes of a file (png, svg or pdf): the shell with the sides of its faces, or its
+        `view` ``"zebra"`` or ``"curvature"``. Points are drawn beside it in colours of their distances, or of `bands` of these."""
+        given, limits = None if points is None else array(points, "points", 3), array(bands, "bands", None)
+        inspection = ffi.new("bat_surface_inspection *", [chosen(family_of("bat_surface_view"), view).value, pointer(limits), limits.size])
+        return written(lib.bat_shell_picture_write, suffix, ffi.NULL, self._struct(), pointer(given), 0 if given is None else len(given), inspection,
+                       options("bat_surface_picture_options", settings))  # fmt: skip
+
     @drawn
     def _repr_png_(self) -> bytes | None:
-        return self.mesh().picture()
+        return self.picture()
 
 
 def _shell(given: Any, faces: Any, how: Any, progress: Progress) -> Shell:

@@ -103,6 +103,12 @@ def test_a_closed_cloud_becomes_a_shell(torus, tmp_path, sphere_mesh):
     again = pickle.loads(pickle.dumps(shell))
     assert np.array_equal(again(3, 0.2, 0.7), shell(3, 0.2, 0.7)) and again.to_step() == shell.to_step()
     assert shell._repr_png_()[:4] == b"\x89PNG" and draws(shell)
+    pictures = {shell.picture(torus, view=view, width=120) for view in ("shaded", "zebra", "curvature")} | {shell.picture(torus, bands=[0.01], width=120)}
+    assert len(pictures) == 4 and shell.picture(suffix="svg").startswith(b"<?xml")
+    with pytest.raises(batten.BattenError, match="bands"):
+        shell.picture(torus, bands=[0.2, 0.1])
+    with pytest.raises(batten.BattenError, match="view"):
+        shell.picture(view="none")
     ball = batten.fit_surface(sphere_mesh, shell=True, faces=24)
     assert ball.closed and batten.measure(ball.mesh(2).triangulate()).genus == 0
 
