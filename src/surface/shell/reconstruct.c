@@ -55,8 +55,9 @@ static const double RELAXATION = 0.7;
 static const double MIN_QUALITY = 0.3;
 /// Noise in spacings, from which creases are not looked for, and the least share by which they bring held-out points nearer.
 static const double MAX_CREASE_NOISE = 0.3, MIN_CREASE_GAIN = 0.01;
-/// Largest number of faces with creases, in the number that was given or is the least for a tolerance.
-static const double MAX_EXCESS = 1.5;
+/// Largest number of faces with creases, in the number that was given or is the least for a tolerance, or in the least of
+/// all.
+static const double MAX_EXCESS = 1.5, LEAST_FACES = 16;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
@@ -447,7 +448,8 @@ static bat_status try_layout(const shell_work *work, size_t faces, double *held,
     if (status == BAT_OK)
     {
         *held = distance_of(work, &trial.fit, largest);
-        if (work->sharp && is_bounded(work) && (double)trial.layout.face_count > MAX_EXCESS * (double)faces)
+        if (work->sharp && is_bounded(work) &&
+            (double)trial.layout.face_count > MAX_EXCESS * fmax((double)faces, LEAST_FACES))
             *held = INFINITY;
         memcpy(work->squared, trial.fit.squared, work->count * sizeof *work->squared);
     }
@@ -526,41 +528,46 @@ static bat_status find_factors(const shell_work *work, double *factors, bat_erro
     return status;
 }
 
-static void set_factors(bat_mesh *mesh, const double *factors)
+static void set_factors(bat_mesh *mesh, const double *normals, const double *factors)
 {
-    for (size_t v = 0; v < mesh->vertex_count; v++)
-        if (vector3_normalize(mesh->channels + 3 * v))
-            vector_scale(3, factors[v], mesh->channels + 3 * v);
+    for (size_t k = 0; k < 3 * mesh->vertex_count; k++)
+        mesh->channels[k] = factors[k / 3] * normals[k];
 }
 
-/// Try layouts with more faces where the last one left the points far, and keep the best of all.
-static bat_status refine_layout(shell_work *work, size_t faces, double tolerance, double *best, bat_error *error)
+/// Try layouts with more faces where the last one left the points far, and keep the best of all. One that fails is left.
+static bat_status refine_layout(shell_work *work, size_t faces, double tolerance, bat_progress progress, double *best,
+                                bat_error *error)
 {
     size_t vertices = work->mesh.vertex_count;
-    double held = INFINITY, largest = 0, normals = work->normals,
+    double held = INFINITY, largest = 0, weight = work->normals,
            *tried = memory_pool_array(&work->pool, vertices, sizeof *tried),
-           *kept = memory_pool_array(&work->pool, vertices, sizeof *kept);
+           *kept = memory_pool_array(&work->pool, vertices, sizeof *kept),
+           *normals = memory_pool_array(&work->pool, vertices, 3 * sizeof *normals);
     bat_status status = memory_pool_check(&work->pool, error);
-    for (size_t v = 0; v < vertices && status == BAT_OK; v++)
+    if (status != BAT_OK)
+        return status;
+    memcpy(normals, work->mesh.channels, 3 * vertices * sizeof *normals);
+    for (size_t v = 0; v < vertices; v++)
         kept[v] = 1;
     work->normals = WEIGHED_NORMALS;
     for (int k = 0; k < WEIGHED && status == BAT_OK; k++)
     {
+        if (!progress_goes_on(progress, 1))
+            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
         status = find_factors(work, tried, error);
         if (status != BAT_OK)
-            break;
-        set_factors(&work->mesh, tried);
-        status = try_layout(work, faces, &held, &largest, error);
-        if (status != BAT_OK || !(held < (1 - MIN_WEIGHED_GAIN) * *best) || (tolerance > 0 && largest > tolerance))
+            return status;
+        set_factors(&work->mesh, normals, tried);
+        if (try_layout(work, faces, &held, &largest, NULL) != BAT_OK || !(held < (1 - MIN_WEIGHED_GAIN) * *best) ||
+            (tolerance > 0 && largest > tolerance))
             continue;
         *best = held;
-        normals = WEIGHED_NORMALS;
+        weight = WEIGHED_NORMALS;
         SWAP(tried, kept);
     }
-    work->normals = normals;
-    if (status == BAT_OK)
-        set_factors(&work->mesh, kept);
-    return status;
+    work->normals = weight;
+    set_factors(&work->mesh, normals, kept);
+    return BAT_OK;
 }
 
 /// Find the number of faces, the smoothing, and whether normals have a part in the layout.
@@ -583,8 +590,8 @@ static bat_status find_layout(shell_work *work, bat_progress progress, size_t *f
     work->normals = NORMALS;
     status = try_layout(work, *faces, &held, &largest, error);
     work->normals = held < (1 - MIN_GAIN) * best && !(tolerance > 0 && largest > tolerance) ? NORMALS : 0;
-    work->report.held_out = fmin(held, best);
-    return status == BAT_OK ? refine_layout(work, *faces, tolerance, &work->report.held_out, error) : status;
+    work->report.held_out = work->normals > 0 ? held : best;
+    return status == BAT_OK ? refine_layout(work, *faces, tolerance, progress, &work->report.held_out, error) : status;
 }
 
 // The result
@@ -802,7 +809,8 @@ static bat_status fit_creases(shell_work *work, size_t faces, bool strict, bat_p
 }
 
 /// Find the number of faces and fit. A shell that is wrong has too many faces for its points at some place: half as many
-/// are tried then, with more smoothing (first as many, where it folds), and the first failure is told where that fails too.
+/// are tried then, with more smoothing (first as many, where it folds or its layout follows distances), and the first
+/// failure is told where that fails too.
 static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *error)
 {
     progress_part trials = {work->options->progress, CONNECT_SHARE, TRIAL_SHARE},
@@ -817,10 +825,11 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
         status = fit_creases(work, faces, strict, progress_of_part(&last), shell, &fitted, error);
     if (status == BAT_OK && !fitted)
         status = fit_faces(work, faces, strict, progress_of_part(&last), shell, error);
-    for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && work->options->faces == 0 && faces > MIN_FACES; k++)
+    for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && (strict || work->normals > NORMALS); k++)
     {
         bat_error failure;
-        bool again = k == 0 && (work->folded || work->stiffness > 1);
+        bool weighed = work->normals > NORMALS, again = k == 0 && (work->folded || work->stiffness > 1 || weighed);
+        work->normals = weighed ? 0 : work->normals;
         faces = again ? faces : faces / 2;
         work->stiffness = !again ? STIFFER * work->stiffness : work->folded ? FOLDED_STIFFER * work->stiffness : 1;
         status = fit_faces(work, faces, false, progress_of_part(&last), shell, &failure);
