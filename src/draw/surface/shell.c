@@ -81,7 +81,8 @@ bat_status surface_shell_make(surface_row *row, bat_error *error)
     row->outlines = memory_pool_array(&row->pool, shell->face_count * shell->spans * row->samples, 8 * sizeof *quads.faces);
     quads.positions = NULL;
     if (status == BAT_OK)
-        status = row->patch.faces == NULL ? error_memory(error, quads.face_count) : memory_pool_check(&row->pool, error);
+        status = row->patch.faces == NULL ? error_memory(error, 6 * quads.face_count * sizeof *quads.faces)
+                                          : memory_pool_check(&row->pool, error);
     if (status == BAT_OK)
         cut_quads(row, &quads);
     bat_mesh_free(&quads);

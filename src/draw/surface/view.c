@@ -96,9 +96,10 @@ mesh_view surface_view_of(const patch_points *patch, const double direction[3], 
     for (int c = 0; c < 3; c++)
         upwards[c] = is_given(up) ? up[c] : c == (faces_z ? 1 : 2);
     (void)vector3_normalize(upwards);
-    // What has no boundary is not seen from below.
+    // Without a boundary, a surface is not seen from below, but where it faces straight down.
     double below = patch->loop_count == 0 ? fmin(vector3_dot(normal, upwards), 0) : 0;
-    vector_add(3, -below, upwards, normal);
+    if (below > -0.99)
+        vector_add(3, -below, upwards, normal);
     (void)vector3_normalize(normal);
     find_right(upwards, normal, right);
     vector3_cross(normal, right, across);
