@@ -67,10 +67,10 @@ def read_scan(path: str | os.PathLike[str], classes: int | Iterable[int] | str |
     None where the file has none."""
     settings = {"format": format, "strict": strict}
     if classes is not None:
-        settings["classes"] = classes if isinstance(classes, str) else ",".join(map(str, np.atleast_1d(np.asarray(classes)).tolist()))
+        settings["classes"] = classes if isinstance(classes, str) else ",".join(map(str, classes if np.iterable(classes) else [classes]))
     check_options("bat_cloud_read_options", settings)
     found = _kind(path) if format in ("auto", "las") else None
-    if found is None:
+    if found is None or (format == "las" and found is _e57_parts):
         return _by_library(path, settings)
     if classes is not None and found is _e57_parts:
         raise _failure(InvalidArgument, path, "only points of LAS files have classes")
@@ -154,8 +154,11 @@ def _kind(path: str | os.PathLike[str]) -> Any:
     """The reader of a file that the library does not read, by its first bytes."""
     if not os.path.isfile(path):  # a pipe gives its bytes once
         return None
-    with open(path, "rb") as file:
-        head = file.read(_AT_FORMAT + 1)
+    try:
+        with open(path, "rb") as file:
+            head = file.read(_AT_FORMAT + 1)
+    except OSError:  # the library tells it
+        return None
     if head.startswith(b"ASTM-E57"):
         return _e57_parts
     return _laz_parts if head.startswith(b"LASF") and len(head) > _AT_FORMAT and head[_AT_FORMAT] & _COMPRESSED else None

@@ -112,7 +112,7 @@ def test_compressed_las_is_that_of_las(survey, tmp_path, random, point_format):
     classes[:3] = classes[-3:] = 2
     withheld[:3] = withheld[-3:] = False
     las, laz = (write_las(tmp_path / f"scan.{kind}", survey, classes, withheld, point_format) for kind in ("las", "laz"))
-    for chosen in (None, 2, (2, 7), "1,18"):
+    for chosen in (None, 2, (2, 7), {2}, "1,18"):
         with pytest.warns(batten.BattenWarning) as of_las:
             expected = batten.read_points(las, classes=chosen)
         with pytest.warns(batten.BattenWarning) as of_laz:
