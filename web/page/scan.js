@@ -47,7 +47,7 @@ export function scanTab(app, section) {
   let format;
   let file = "scan.xyz";
   let result = null;
-  /** LAS of files that are compressed. */
+  /** Promises of LAS for files that are compressed. */
   const expanded = new WeakMap();
   let started = false;
   const legend = h("div.legend", {}, "");
@@ -61,9 +61,10 @@ export function scanTab(app, section) {
     bytes ??= text(EXAMPLES[state.example || "panel"][1]());
     try {
       const given = bytes;
-      if (compressed(given) && !expanded.has(given)) expanded.set(given, await app.expand(given));
+      if (compressed(given) && !expanded.has(given)) expanded.set(given, app.expand(given).catch((error) => (expanded.delete(given), Promise.reject(error))));
+      const las = await (expanded.get(given) ?? given);
       if (given !== bytes) throw new Cancelled("superseded");
-      result = await (await app.scanEngine()).latest("scan", "scan", { bytes: expanded.get(given) ?? given, format: format ?? (state.example ? "xyz" : undefined), ...state }, "Fitting a surface");
+      result = await (await app.scanEngine()).latest("scan", "scan", { bytes: las, format: format ?? (state.example ? "xyz" : undefined), ...state }, "Fitting a surface");
       app.clear();
       draw();
       figures();
@@ -135,13 +136,14 @@ export function scanTab(app, section) {
     take({ name: chosen.name, bytes: new Uint8Array(await chosen.arrayBuffer()) });
     Object.assign(state, { example: "", kind: "auto" });
     controls();
+    const given = bytes;
     const done = await compute();
     if (done) {
       state.data = app.keep(file, bytes);
       app.commit();
       return true;
     }
-    if (done === null) return false;
+    if (bytes !== given) return true; // a later file has taken its place
     // The last good state stays.
     ({ bytes, format, file } = last);
     Object.assign(state, last.state);
@@ -224,7 +226,8 @@ export function scanTab(app, section) {
     },
     inspect: () => ({ state, result }),
     commands() {
-      const las = file.replace(/\.laz$/i, ".las"); // which the program reads
+      const packed = bytes !== null && compressed(bytes); // the program reads LAS alone
+      const las = packed ? file.replace(/\.las$/i, "-expanded").replace(/\.laz$/i, "") + ".las" : file;
       const shell = result?.kind === "shell";
       const near = result && state.tolerance > 0 ? Number(result.tolerance.toPrecision(3)) : 0;
       const trim = result ? result.kind === "trim" : state.kind === "trim";
@@ -236,7 +239,7 @@ export function scanTab(app, section) {
         : `bat_cloud cloud;\nbat_error error;\nbat_cloud_read(${quoted(las)}, NULL, &cloud, &error);\nbat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();\n${fields("options", "fit.")}${given ? `options.parameters = ${enumerator("surface_parameters", state.parameters)};\n` : ""}${trim ? "options.trim = true;\n" : ""}${state.robust ? "options.fit.robust = true;\n" : ""}bat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) == BAT_OK)\n    bat_surface_write("surface.step", &result.surface, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong`;
       const settings = [near ? `, tolerance=${near}` : "", given ? `, parameters="${state.parameters}"` : "", trim ? ", trim=True" : "", state.robust && !shell ? ", robust=True" : "", state.force ? ", force=True" : ""].join("");
       return {
-        shell: `${las === file ? "" : `laszip -i ${shellName(file)} -o ${shellName(las)}\n`}batten surface ${shellName(las)}${words} -o surface.step`,
+        shell: `${packed ? `laszip -i ${shellName(file)} -o ${shellName(las)}\n` : ""}batten surface ${shellName(las)}${words} -o surface.step`,
         c,
         python: `import batten\n\npoints = batten.read_points(${quoted(file)})\nsurface = batten.fit_surface(points${shell ? ", shell=True" : ""}${settings})\nsurface.write("surface.step")`,
       };
