@@ -320,8 +320,9 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     double share = (all ? 1 : TRIAL_SHARE) / (double)work->kind_count;
     progress_part parts[2];
     fit.progress = fit_progress(work, share * (double)number, share, parts);
-    if (!progress_goes_on(fit.progress, 0))
-        return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    bat_status status = progress_check(fit.progress, 0, error);
+    if (status != BAT_OK)
+        return status;
     bool slides = work->options->slide_boundary, border = has_border(work);
     const bat_cloud *cloud = parameterized(work);
     size_t maximum = cloud->count / POINTS_PER_FUNCTION;
@@ -341,8 +342,8 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
         for (size_t d = 0; d < 2 && fit.tensor && number > 0; d++)
             fit.space.spans[d] *= 3;
     }
-    bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, &options,
-                                               work->kinds[number], candidate, error);
+    status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, &options, work->kinds[number],
+                                    candidate, error);
     candidate->trimming = work->options->trim ? &work->trimming : NULL;
     if (status == BAT_OK)
         status = progress_check(fit.progress, 0, error);

@@ -437,8 +437,8 @@ bat_status alpha_boundary_cloud_make(const double *points, const nearest_tree *t
     for (size_t begin = 0; begin < count; begin += MARK_BLOCK)
     {
         size_t end = count - begin < MARK_BLOCK ? count : begin + MARK_BLOCK;
-        if (!progress_goes_on(progress, (double)begin / (double)count))
-            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+        if (progress_check(progress, (double)begin / (double)count, error) != BAT_OK)
+            return BAT_CANCELLED;
         if (!mark_block(cloud, begin, end))
             return error_memory(error, count);
     }

@@ -550,11 +550,11 @@ static bat_status refine_layout(shell_work *work, size_t faces, double tolerance
     for (size_t v = 0; v < vertices; v++)
         kept[v] = 1;
     work->normals = WEIGHED_NORMALS;
-    for (int k = 0; k < WEIGHED && status == BAT_OK; k++)
+    for (int k = 0; k < WEIGHED; k++)
     {
-        if (!progress_goes_on(progress, 1))
-            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
-        status = find_factors(work, tried, error);
+        status = progress_check(progress, 1, error);
+        if (status == BAT_OK)
+            status = find_factors(work, tried, error);
         if (status != BAT_OK)
             return status;
         set_factors(&work->mesh, normals, tried);
