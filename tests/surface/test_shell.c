@@ -360,9 +360,8 @@ static void normals_lead_into_narrow_gaps(void **state)
         check_status(neighbours_nearest(&tree, points.points + 3 * i, SHELL_SPACING_POINTS, &near, NULL), BAT_OK);
         areas[i] = shell_spacing(&near) * shell_spacing(&near);
     }
-    check_status(shell_orient(&(shell_cloud){points.points, points.count, &tree, areas, sqrt(areas[1500]), 0}, &planes,
-                              &pool, &outside, NULL),
-                 BAT_OK);
+    const shell_cloud all = {points.points, points.count, &tree, sqrt(areas[1500]), 0, 0, areas};
+    check_status(shell_orient(&all, &planes, &pool, &outside, NULL), BAT_OK);
     for (size_t i = 0; i < points.count; i++)
         wrong += vector3_dot(normals + 3 * i, planes.planes[i].axes[2]) < 0;
     assert_true(outside.closed);
@@ -389,11 +388,16 @@ static void hollows_are_refused(void **state)
         scatter outer = sphere(2000, 1, 0), made = sphere(4000, 1, 0);
         bat_mesh ball, both = {0};
         bat_shell_report report = {0};
-        shell_connection found = {0};
+        nearest_tree trees[2];
+        shell_cloud balls[2] = {{.points = outer.points, .count = outer.count, .tree = &trees[0]},
+                                {.points = made.points, .count = made.count, .tree = &trees[1]}};
         // Fewer points of the inner sphere, which is the smaller piece.
         for (size_t k = 0; k < 3 * made.count; k++)
             made.points[k] *= k < 300 || k % 6 < 3 ? 1 : 0.5;
-        check_status(shell_connect(outer.points, outer.count, (bat_progress){0}, &ball, NULL, &found, NULL), BAT_OK);
+        for (int k = 0; k < 2; k++)
+            check_status(neighbours_build(balls[k].points, balls[k].count, &trees[k], NULL), BAT_OK);
+        check_status(shell_connect(&balls[0], (bat_progress){0}, &ball, NULL, NULL), BAT_OK);
+        balls[1].cell = balls[0].cell;
         size_t vertices = ball.vertex_count, faces = ball.face_count;
         both.vertex_count = 2 * vertices;
         both.face_count = 2 * faces;
@@ -406,11 +410,12 @@ static void hollows_are_refused(void **state)
             both.faces[k] = ball.faces[k];
             both.faces[3 * faces + k] = ball.faces[hollow ? 3 * faces - 1 - k : k] + (uint32_t)vertices;
         }
-        check_status(shell_open_holes(made.points, made.count, &found, 0, &both, &report, NULL),
-                     hollow ? BAT_NO_CONVERGENCE : BAT_OK);
+        check_status(shell_open_holes(&balls[1], 0, &both, &report, NULL), hollow ? BAT_NO_CONVERGENCE : BAT_OK);
         assert_int_equal(report.dropped_pieces, 0);
         bat_mesh_free(&ball);
         bat_mesh_free(&both);
+        nearest_free(&trees[0]);
+        nearest_free(&trees[1]);
         free(made.points);
         free(outer.points);
     }
@@ -425,29 +430,31 @@ static void false_handles_are_cut(void **state)
         bat_mesh plate = plate_with_hole(n, is_false ? 1 : 5);
         bat_mesh_summary summary;
         bat_shell_report report = {0};
-        const shell_connection found = {.spacing = 0.5, .cell = 0.5};
+        nearest_tree tree;
         scatter made = scatter_make((size_t)8 * n * n);
-        size_t count = 0;
+        shell_cloud cloud = {.points = made.points, .tree = &tree, .cell = 0.5};
         for (size_t k = 0; k < made.count; k++)
         {
             size_t i = k / 2 % (2 * n), j = k / 2 / (2 * n);
-            double *point = made.points + 3 * count, x = 0.5 * (double)i + 0.25, y = 0.5 * (double)j + 0.25;
+            double *point = made.points + 3 * cloud.count, x = 0.5 * (double)i + 0.25, y = 0.5 * (double)j + 0.25;
             if (!is_false && fabs(x - 6.5) < 2.5 && fabs(y - 6.5) < 2.5)
                 continue;
             point[0] = x;
             point[1] = y;
             point[2] = k % 2 == 0 ? 0 : 0.8;
-            count++;
+            cloud.count++;
         }
+        check_status(neighbours_build(cloud.points, cloud.count, &tree, NULL), BAT_OK);
         check_status(bat_mesh_summarize(&plate, &summary, NULL), BAT_OK);
         assert_int_equal(summary.genus, 1);
-        check_status(shell_cut_handles(made.points, count, &found, &plate, &report, NULL), BAT_OK);
+        check_status(shell_cut_handles(&cloud, &plate, &report, NULL), BAT_OK);
         assert_int_equal(report.cut_handles, is_false);
         // The corners inside of the hole have no faces.
         check_status(bat_mesh_summarize(&plate, &summary, NULL), BAT_OK);
         assert_int_equal(summary.genus, 1 - is_false);
         assert_true(summary.closed && summary.manifold && summary.oriented);
         bat_mesh_free(&plate);
+        nearest_free(&tree);
         free(made.points);
     }
 }
@@ -497,6 +504,28 @@ static void order_and_threads_change_nothing(void **state)
     for (int k = 0; k < 3; k++)
         bat_shell_free(&shells[k]);
     free(made.points);
+}
+
+/// Turned and scaled points give the turned and scaled shell: layouts do not depend on rounding.
+static void shells_turn_and_scale_with_points(void **state)
+{
+    (void)state;
+    static const double AXES[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}};
+    scatter made = torus(2000), turned = torus(2000);
+    bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+    bat_shell shells[2];
+    options.faces = 150;
+    for (size_t k = 0; k < 3 * made.count; k++)
+        turned.points[k] = 3.7 * vector3_dot(AXES[k % 3], made.points + k / 3 * 3) + 100;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, &options, &shells[0], NULL, NULL), BAT_OK);
+    check_status(bat_shell_reconstruct(turned.points, turned.count, NULL, &options, &shells[1], NULL, NULL), BAT_OK);
+    assert_int_equal(shells[1].cage.face_count, shells[0].cage.face_count);
+    for (size_t k = 0; k < 48 * shells[0].cage.face_count; k++)
+        check_near(shells[1].patches[k], 3.7 * vector3_dot(AXES[k % 3], shells[0].patches + k / 3 * 3) + 100, 1e-7);
+    for (int k = 0; k < 2; k++)
+        bat_shell_free(&shells[k]);
+    free(made.points);
+    free(turned.points);
 }
 
 /// A cube of triangles keeps its edges sharp.
@@ -581,8 +610,11 @@ static void rows_are_averages(void **state)
     shell_layout layout;
     shell_grid grid;
     scatter made = torus(2000);
-    shell_connection found;
-    check_status(shell_connect(made.points, made.count, (bat_progress){0}, &ball, NULL, &found, NULL), BAT_OK);
+    nearest_tree tree;
+    check_status(neighbours_build(made.points, made.count, &tree, NULL), BAT_OK);
+    shell_cloud cloud = {.points = made.points, .count = made.count, .tree = &tree};
+    check_status(shell_connect(&cloud, (bat_progress){0}, &ball, NULL, NULL), BAT_OK);
+    nearest_free(&tree);
     check_status(shell_layout_make(&ball, 60, false, 0, &layout, NULL), BAT_OK);
     check_status(shell_grid_make(&layout, 3, &grid, NULL), BAT_OK);
     for (size_t row = 0; row < grid.rows.row_count; row++)
@@ -631,6 +663,7 @@ int main(void)
         cmocka_unit_test(false_handles_are_cut),
         cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),
+        cmocka_unit_test(shells_turn_and_scale_with_points),
         cmocka_unit_test(a_cube_keeps_its_edges),
         cmocka_unit_test(a_hollow_is_a_void),
         cmocka_unit_test(rows_are_averages),

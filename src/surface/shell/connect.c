@@ -586,14 +586,14 @@ static bat_status cut_out(const level_grid *grid, bat_mesh *mesh, bat_error *err
 // The points
 
 /// The spacing of all points, and the area of each.
-static bat_status measure_points(connection *work, const nearest_tree *tree, double *spacing, bat_error *error)
+static bat_status measure_points(connection *work, double *spacing, bat_error *error)
 {
     neighbour_list near = {0};
     double *sorted = memory_array(work->count, sizeof *sorted);
     bat_status status = sorted == NULL ? error_memory(error, work->count * sizeof *sorted) : BAT_OK;
     for (size_t i = 0; i < work->count && status == BAT_OK; i++)
     {
-        status = neighbours_nearest(tree, work->points + 3 * i, SHELL_SPACING_POINTS, &near, error);
+        status = neighbours_nearest(work->tree, work->points + 3 * i, SHELL_SPACING_POINTS, &near, error);
         if (status != BAT_OK)
             break;
         sorted[i] = shell_spacing(&near);
@@ -636,44 +636,39 @@ static bat_status solve_levels(connection *work, double extent, double finest, b
     return status;
 }
 
-bat_status shell_connect(const double *points, size_t count, bat_progress progress, bat_mesh *mesh, double *normals,
-                         shell_connection *found, bat_error *error)
+bat_status shell_connect(shell_cloud *cloud, bat_progress progress, bat_mesh *mesh, double *normals, bat_error *error)
 {
-    connection work = {.points = points, .count = count};
-    nearest_tree tree = {0};
+    connection work = {.points = cloud->points, .count = cloud->count, .tree = cloud->tree};
     oriented_planes planes = {0};
-    const bat_cloud cloud = {.points = (double *)points, .count = count};
-    work.areas = memory_pool_array(&work.pool, count, sizeof *work.areas);
+    const bat_cloud all = {.points = (double *)cloud->points, .count = cloud->count};
+    work.areas = memory_pool_array(&work.pool, cloud->count, sizeof *work.areas);
     bat_status status = memory_pool_check(&work.pool, error);
     if (status == BAT_OK)
-        status = neighbours_build(points, count, &tree, error);
+        status = measure_points(&work, &cloud->spacing, error);
     if (status == BAT_OK)
-        status = measure_points(&work, &tree, &found->spacing, error);
-    if (status == BAT_OK)
-        status = oriented_planes_make(&cloud, &tree, &planes, error);
+        status = oriented_planes_make(&all, cloud->tree, &planes, error);
     if (status == BAT_OK)
     {
         double extent = 0;
         for (int d = 0; d < 3; d++)
-            extent = fmax(extent, nearest_bounds(&tree)[3 + d] - nearest_bounds(&tree)[d]);
-        status = noise_estimate(points, &tree, &found->noise, error);
-        work.tree = &tree;
+            extent = fmax(extent, nearest_bounds(cloud->tree)[3 + d] - nearest_bounds(cloud->tree)[d]);
+        status = noise_estimate(cloud->points, cloud->tree, &cloud->noise, error);
         work.planes = &planes;
-        found->cell = fmax(fmax(found->spacing, found->noise), extent / MAX_CELLS);
-        work.noise = found->noise;
+        cloud->cell = fmax(fmax(cloud->spacing, cloud->noise), extent / MAX_CELLS);
+        work.noise = cloud->noise;
+        cloud->areas = work.areas;
         if (status == BAT_OK)
-            status = shell_orient(&(shell_cloud){points, count, &tree, work.areas, found->spacing, found->noise}, &planes,
-                                  &work.pool, &work.outside, error);
-        for (size_t i = 0; i < count && status == BAT_OK && normals != NULL; i++)
+            status = shell_orient(cloud, &planes, &work.pool, &work.outside, error);
+        cloud->areas = NULL;
+        for (size_t i = 0; i < cloud->count && status == BAT_OK && normals != NULL; i++)
             memcpy(normals + 3 * i, planes.planes[i].axes[2], 3 * sizeof *normals);
         if (status == BAT_OK)
-            status = solve_levels(&work, extent, found->cell, progress, error);
+            status = solve_levels(&work, extent, cloud->cell, progress, error);
     }
     if (status == BAT_OK)
         status = cut_out(&work.grid, mesh, error);
     grid_free(&work.grid);
     oriented_planes_free(&planes);
-    nearest_free(&tree);
     memory_pool_free(&work.pool);
     return status;
 }

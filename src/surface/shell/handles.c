@@ -321,19 +321,16 @@ static bat_status cut_once(handle_search *work, bool *cut, bat_error *error)
     return status;
 }
 
-bat_status shell_cut_handles(const double *points, size_t count, const shell_connection *found, bat_mesh *mesh,
-                             bat_shell_report *report, bat_error *error)
+bat_status shell_cut_handles(const shell_cloud *cloud, bat_mesh *mesh, bat_shell_report *report, bat_error *error)
 {
-    nearest_tree tree = {0};
-    handle_search work = {.mesh = mesh, .points = points, .tree = &tree, .cell = found->cell};
+    handle_search work = {.mesh = mesh, .points = cloud->points, .tree = cloud->tree, .cell = cloud->cell};
     bool cut = true;
-    bat_status status = neighbours_build(points, count, &tree, error);
+    bat_status status = BAT_OK;
     while (cut && report->cut_handles < MAX_CUTS && status == BAT_OK)
     {
         status = cut_once(&work, &cut, error);
         report->cut_handles += cut;
     }
     neighbour_list_free(&work.near);
-    nearest_free(&tree);
     return status;
 }

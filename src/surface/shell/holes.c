@@ -29,24 +29,22 @@ typedef struct opening
     memory_pool pool;
 } opening;
 
-bat_status shell_distances(const double *points, size_t count, const double *places, size_t place_count, double less,
-                           double least, double *distances, bat_error *error)
+bat_status shell_distances(const double *points, const nearest_tree *tree, const double *places, size_t place_count,
+                           double less, double least, double *distances, bat_error *error)
 {
-    nearest_tree tree = {0};
     neighbour_list near = {0};
-    bat_status status = neighbours_build(points, count, &tree, error);
+    bat_status status = BAT_OK;
     for (size_t k = 0; k < place_count && status == BAT_OK; k++)
     {
-        status = neighbours_nearest(&tree, places + 3 * k, 1, &near, error);
+        status = neighbours_nearest(tree, places + 3 * k, 1, &near, error);
         if (status != BAT_OK)
             break;
         double distance = fmax(sqrt(near.entries[0].squared) - less, 0);
-        status = neighbours_nearest(&tree, points + 3 * (size_t)near.entries[0].item, SHELL_SPACING_POINTS, &near, error);
+        status = neighbours_nearest(tree, points + 3 * (size_t)near.entries[0].item, SHELL_SPACING_POINTS, &near, error);
         if (status == BAT_OK)
             distances[k] = distance / fmax(shell_spacing(&near), least);
     }
     neighbour_list_free(&near);
-    nearest_free(&tree);
     return status;
 }
 
@@ -230,8 +228,8 @@ bat_status shell_even_out(bat_mesh *mesh, size_t first, uint8_t ring_count, int 
     return BAT_OK;
 }
 
-static bat_status open_once(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
-                            bat_shell_report *report, bat_error *error)
+static bat_status open_once(const shell_cloud *cloud, double fill, bat_mesh *mesh, bat_shell_report *report,
+                            bat_error *error)
 {
     opening work = {.mesh = mesh};
     size_t vertices = mesh->vertex_count;
@@ -243,7 +241,7 @@ static bat_status open_once(const double *points, size_t count, const shell_conn
     if (status == BAT_OK)
         status = bat_mesh_connect(mesh, &work.links, error);
     if (status == BAT_OK)
-        status = shell_distances(points, count, mesh->positions, vertices, 0, found->cell, work.far, error);
+        status = shell_distances(cloud->points, cloud->tree, mesh->positions, vertices, 0, cloud->cell, work.far, error);
     if (status == BAT_OK)
     {
         if (drop_pieces(&work, report))
@@ -257,15 +255,15 @@ static bat_status open_once(const double *points, size_t count, const shell_conn
     return status;
 }
 
-bat_status shell_open_holes(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
-                            bat_shell_report *report, bat_error *error)
+bat_status shell_open_holes(const shell_cloud *cloud, double fill, bat_mesh *mesh, bat_shell_report *report,
+                            bat_error *error)
 {
     bat_shell_report islands = {0};
     size_t faces = mesh->face_count;
-    bat_status status = open_once(points, count, found, fill, mesh, report, error);
+    bat_status status = open_once(cloud, fill, mesh, report, error);
     // Holes that are open may leave islands, which are pieces without points.
     if (status == BAT_OK && mesh->face_count < faces)
-        status = open_once(points, count, found, fill, mesh, &islands, error);
+        status = open_once(cloud, fill, mesh, &islands, error);
     // Boundaries follow the cells of a grid.
     return status == BAT_OK ? shell_even_out(mesh, mesh->vertex_count, RINGS, SMOOTHINGS, error) : status;
 }

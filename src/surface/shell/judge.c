@@ -142,23 +142,22 @@ static bat_status measure_turns(const bat_mesh *mesh, const shell_fit *fit, cons
 /// How much faster than on a surface the number of points grows with the radius of a ball: the median over places of the
 /// number within 2 r over that within r, for r of three standard deviations of the distances. It is 4 on a plane and 8 in
 /// space.
-static bat_status measure_growth(const shell_fit *fit, double rms, double *growth, bat_error *error)
+static bat_status measure_growth(const shell_fit *fit, const nearest_tree *tree, double rms, double *growth,
+                                 bat_error *error)
 {
-    nearest_tree tree = {0};
     neighbour_list near = {0};
     double ratios[GROWTH_PLACES];
-    bat_status status = neighbours_build(fit->points, fit->count, &tree, error);
+    bat_status status = BAT_OK;
     for (size_t k = 0; k < GROWTH_PLACES && status == BAT_OK; k++)
     {
         const double *place = fit->points + 3 * (k * fit->count / GROWTH_PLACES);
-        status = neighbours_within(&tree, place, 3 * rms, &near, error);
+        status = neighbours_within(tree, place, 3 * rms, &near, error);
         double inner = (double)near.count;
         if (status == BAT_OK)
-            status = neighbours_within(&tree, place, 6 * rms, &near, error);
+            status = neighbours_within(tree, place, 6 * rms, &near, error);
         ratios[k] = (double)near.count / inner;
     }
     neighbour_list_free(&near);
-    nearest_free(&tree);
     if (status == BAT_OK)
         *growth = sort_median(ratios, GROWTH_PLACES);
     return status;
@@ -189,6 +188,7 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
                          bat_error *error)
 {
     shell_samples samples = {0};
+    nearest_tree tree = {0};
     double sum = 0, largest = 0;
     for (size_t i = 0; i < fit->count; i++)
     {
@@ -206,14 +206,16 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
     bat_status status = measure_jumps(shell, fit->grid, report, error);
     if (status == BAT_OK)
         status = shell_count_crossings(shell, &report->crossings, error);
+    if (status == BAT_OK)
+        status = neighbours_build(fit->points, fit->count, &tree, error);
     if (status == BAT_OK && report->rms > NOISY * report->spacing)
-        status = measure_growth(fit, report->rms, &report->growth, error);
+        status = measure_growth(fit, &tree, report->rms, &report->growth, error);
     if (status == BAT_OK)
         status = measure_topology(shell, mesh, report, error);
     if (status == BAT_OK)
         status = make_samples(shell, &samples, error);
     if (status == BAT_OK)
-        status = shell_distances(fit->points, fit->count, samples.places, samples.count, MAX_NOISE * report->noise,
+        status = shell_distances(fit->points, &tree, samples.places, samples.count, MAX_NOISE * report->noise,
                                  report->spacing, samples.reach, error);
     if (status == BAT_OK)
     {
@@ -221,6 +223,7 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
         report->reach = samples.reach[samples.count * 99 / 100];
         status = measure_turns(mesh, fit, &samples, NULL, &report->turned, error);
     }
+    nearest_free(&tree);
     memory_pool_free(&samples.pool);
     return status;
 }

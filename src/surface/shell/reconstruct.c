@@ -58,6 +58,8 @@ static const double MAX_CREASE_NOISE = 0.3, MIN_CREASE_GAIN = 0.01;
 /// Largest number of faces with creases, in the number that was given or is the least for a tolerance, or in the least of
 /// all.
 static const double MAX_EXCESS = 1.5, LEAST_FACES = 16;
+/// Grid on which points are put to make the mesh: it hides rounding, so that turned points give the same mesh.
+static const double ROUNDING = 0x1p-22;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
@@ -99,11 +101,21 @@ typedef struct shell_trial
     memory_pool pool;
 } shell_trial;
 
+/// A frame that turns and grows with the points: x -> axes (x in `box` - centre) / unit.
+typedef struct shell_frame
+{
+    unit_frame box;
+    local_plane plane;
+    double unit;
+} shell_frame;
+
 typedef struct shell_work
 {
     const bat_shell_reconstruct_options *options;
-    unit_frame frame;
-    double *points; ///< count x 3, of unit size, in an order that depends on coordinates alone; then anchors
+    shell_frame frame;
+    double unit;           ///< of `frame`, in the unit of the input
+    double *points;        ///< count x 3, in the frame, in an order that depends on their places there; then anchors
+    const double *rounded; ///< count x 3: the same on a grid of ROUNDING, from which the mesh is made
     size_t count;
     bat_mesh mesh;                   ///< of unit size
     bat_mesh creased;                ///< the same with creases that were found; empty: none
@@ -123,10 +135,47 @@ typedef struct shell_work
 
 // Input
 
-/// Scale the points, and sort them.
+static void set_frame(shell_work *work, const double *points, size_t count)
+{
+    work->frame =
+        (shell_frame){.box = unit_frame_of(points, count), .plane.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .unit = 1};
+    work->unit = ldexp(2, -work->frame.box.exponent);
+}
+
+/// Turn points to their principal axes, with third moments that are not negative; the farthest gets the distance 1.
+static void turn(shell_work *work, double *points)
+{
+    shell_frame *frame = &work->frame;
+    double skew[2] = {0}, farthest = 0;
+    frame->plane = local_plane_fit_all(points, work->count);
+    for (size_t i = 0; i < work->count; i++)
+    {
+        double arm[3];
+        vector3_subtract(points + 3 * i, frame->plane.centre, arm);
+        farthest = fmax(farthest, vector3_length(arm));
+        for (size_t k = 0; k < 2; k++)
+            skew[k] += pow(vector3_dot(arm, frame->plane.axes[k]), 3);
+    }
+    frame->unit = farthest > 0 ? farthest : 1;
+    work->unit *= frame->unit;
+    for (size_t k = 0; k < 6; k++)
+        frame->plane.axes[k / 3][k % 3] *= skew[k / 3] < 0 ? -1 : 1;
+    vector3_cross(frame->plane.axes[0], frame->plane.axes[1], frame->plane.axes[2]);
+    for (size_t i = 0; i < work->count; i++)
+    {
+        double arm[3];
+        vector3_subtract(points + 3 * i, frame->plane.centre, arm);
+        for (size_t k = 0; k < 3; k++)
+            points[3 * i + k] = vector3_dot(arm, frame->plane.axes[k]) / frame->unit;
+    }
+}
+
+/// Bring the points into a frame that turns with them, and sort them there.
 static bat_status take_points(shell_work *work, const double *points, size_t count, bat_error *error)
 {
     size_t *order = memory_pool_array(&work->pool, count, sizeof *order);
+    double *sorted = memory_pool_array(&work->pool, count, 3 * sizeof *sorted),
+           *rounded = memory_pool_array(&work->pool, count, 3 * sizeof *rounded);
     work->points = memory_pool_array(&work->pool, count, 3 * sizeof *work->points);
     bat_status status = memory_pool_check(&work->pool, error);
     for (size_t i = 0; i < 3 * count && status == BAT_OK; i++)
@@ -136,11 +185,19 @@ static bat_status take_points(shell_work *work, const double *points, size_t cou
         status = canonical_order_find(points, count, order, error);
     if (status != BAT_OK)
         return status;
-    work->frame = unit_frame_of(points, count);
     work->count = count;
+    set_frame(work, points, count);
     for (size_t i = 0; i < count; i++)
-        unit_frame_place(&work->frame, points + 3 * order[i], work->points + 3 * i);
-    return BAT_OK;
+        unit_frame_place(&work->frame.box, points + 3 * order[i], sorted + 3 * i);
+    turn(work, sorted);
+    status = canonical_order_find(sorted, count, order, error);
+    for (size_t i = 0; i < 3 * count && status == BAT_OK; i++)
+    {
+        work->points[i] = sorted[3 * order[i / 3] + i % 3];
+        rounded[i] = rint(work->points[i] / ROUNDING) * ROUNDING;
+    }
+    work->rounded = rounded;
+    return status;
 }
 
 /// Sample the faces of a mesh evenly by area, at places that depend on the mesh alone.
@@ -220,9 +277,9 @@ static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *e
     status = bat_mesh_refine(&bare, &options, &work->mesh, NULL, error);
     if (status != BAT_OK)
         return status;
-    work->frame = unit_frame_of(mesh->positions, mesh->vertex_count);
+    set_frame(work, mesh->positions, mesh->vertex_count);
     for (size_t v = 0; v < work->mesh.vertex_count; v++)
-        unit_frame_place(&work->frame, work->mesh.positions + 3 * v, work->mesh.positions + 3 * v);
+        unit_frame_place(&work->frame.box, work->mesh.positions + 3 * v, work->mesh.positions + 3 * v);
     status = find_creases(&work->mesh, work->options->crease, error);
     if (status == BAT_OK)
         status = sample_mesh(work, error);
@@ -285,43 +342,33 @@ static bat_status coarsen(const shell_work *work, bat_mesh *mesh, bat_error *err
     return status;
 }
 
-/// Copy the mesh that connects the points, and find creases in the copy.
-static bat_status crease(shell_work *work, const shell_connection *found, const double *normals, bat_error *error)
-{
-    nearest_tree tree = {0};
-    const shell_cloud cloud = {work->points, work->count, &tree, NULL, found->spacing, found->noise};
-    bat_status status = neighbours_build(work->points, work->count, &tree, error);
-    if (status == BAT_OK)
-        status = shell_find_creases(&cloud, normals, work->options->crease, &work->mesh, &work->creased, error);
-    nearest_free(&tree);
-    return status;
-}
-
 static bat_status connect_points(shell_work *work, bat_progress progress, bat_error *error)
 {
-    shell_connection found = {0};
+    nearest_tree tree = {0};
+    shell_cloud cloud = {.points = work->rounded, .count = work->count, .tree = &tree};
     double *normals = memory_pool_array(&work->pool, work->count, 3 * sizeof *normals);
     bat_status status = memory_pool_check(&work->pool, error);
     if (status == BAT_OK)
-        status = shell_connect(work->points, work->count, progress, &work->mesh, normals, &found, error);
+        status = neighbours_build(cloud.points, cloud.count, &tree, error);
     if (status == BAT_OK)
-        status =
-            shell_open_holes(work->points, work->count, &found, ldexp(work->options->fill_holes / 2, work->frame.exponent),
-                             &work->mesh, &work->report, error);
+        status = shell_connect(&cloud, progress, &work->mesh, normals, error);
     if (status == BAT_OK)
-        status = shell_cut_handles(work->points, work->count, &found, &work->mesh, &work->report, error);
+        status = shell_open_holes(&cloud, work->options->fill_holes / work->unit, &work->mesh, &work->report, error);
+    if (status == BAT_OK)
+        status = shell_cut_handles(&cloud, &work->mesh, &work->report, error);
     if (status == BAT_OK)
         status = relax(&work->mesh, &work->closed, error);
-    if (status == BAT_OK && work->options->crease > 0 && found.noise < MAX_CREASE_NOISE * found.spacing)
-        status = crease(work, &found, normals, error);
+    if (status == BAT_OK && work->options->crease > 0 && cloud.noise < MAX_CREASE_NOISE * cloud.spacing)
+        status = shell_find_creases(&cloud, normals, work->options->crease, &work->mesh, &work->creased, error);
+    nearest_free(&tree);
     if (status == BAT_OK)
         status = coarsen(work, &work->mesh, error);
     if (status == BAT_OK)
         status = coarsen(work, &work->creased, error);
-    work->noise = found.noise;
+    work->noise = cloud.noise;
     if (!(work->options->tolerance > 0))
-        work->stiffness = fmin(1 + NOISE_SLOPE * fmax(found.noise / found.spacing - MIN_NOISE, 0), MAX_NOISY);
-    work->report.spacing = found.spacing;
+        work->stiffness = fmin(1 + NOISE_SLOPE * fmax(cloud.noise / cloud.spacing - MIN_NOISE, 0), MAX_NOISY);
+    work->report.spacing = cloud.spacing;
     return status;
 }
 
@@ -460,7 +507,7 @@ static bat_status try_layout(const shell_work *work, size_t faces, double *held,
 /// Find the number of faces and the least distance of held-out points.
 static bat_status find_faces(const shell_work *work, bat_progress progress, size_t *faces, double *best, bat_error *error)
 {
-    double held, largest, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+    double held, largest, tolerance = work->options->tolerance / work->unit;
     double least = work->stiffness > 1 && work->closed ? -MAX_LOSS : MIN_GAIN;
     size_t limit = work->count / (POINTS_PER_CONTROL * work->options->spans * work->options->spans);
     bool goes_on = true;
@@ -574,7 +621,7 @@ static bat_status refine_layout(shell_work *work, size_t faces, double tolerance
 static bat_status find_layout(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
 {
     double best = INFINITY, held = INFINITY, largest = 0, stiffness = work->stiffness,
-           tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+           tolerance = work->options->tolerance / work->unit;
     bat_status status = find_faces(work, progress, faces, &best, error);
     if (status == BAT_OK && stiffness > 1)
     {
@@ -597,10 +644,17 @@ static bat_status find_layout(shell_work *work, bat_progress progress, size_t *f
 // The result
 
 /// Give back the scale of the input.
-static void restore(const unit_frame *frame, double *points, size_t count)
+static void restore(const shell_frame *frame, double *points, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        points[i] = 2 * (ldexp(points[i], -frame->exponent) + frame->middle[i % 3] / 2);
+    {
+        double at[3];
+        memcpy(at, frame->plane.centre, sizeof at);
+        for (size_t k = 0; k < 3; k++)
+            vector_add(3, frame->unit * points[3 * i + k], frame->plane.axes[k], at);
+        for (size_t c = 0; c < 3; c++)
+            points[3 * i + c] = 2 * (ldexp(at[c], -frame->box.exponent) + frame->box.middle[c] / 2);
+    }
 }
 
 static bat_status make_shell(const shell_trial *trial, bat_shell *shell, bat_error *error)
@@ -630,9 +684,8 @@ static bat_status make_shell(const shell_trial *trial, bat_shell *shell, bat_err
 }
 
 /// Lengths and volumes in the unit of the input.
-static bat_shell_report restore_report(const unit_frame *frame, const bat_shell_report *report)
+static bat_shell_report restore_report(double unit, const bat_shell_report *report)
 {
-    double unit = ldexp(2, -frame->exponent);
     bat_shell_report restored = *report;
     double *lengths[] = {&restored.spacing, &restored.noise, &restored.rms, &restored.largest, &restored.held_out};
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++)
@@ -725,9 +778,9 @@ static bat_status fit_faces(shell_work *work, size_t faces, bool strict, bat_pro
     }
     if (status == BAT_OK)
         status = shell_measure(&made, &trial.fit, &work->mesh, &work->report, error);
-    const bat_shell_report report = restore_report(&work->frame, &work->report);
+    const bat_shell_report report = restore_report(work->unit, &work->report);
     if (status == BAT_OK && !work->options->force)
-        status = shell_judge(&made, &report, ldexp(2 * work->noise, -work->frame.exponent), error);
+        status = shell_judge(&made, &report, work->unit * work->noise, error);
     trial_free(&trial);
     if (status == BAT_OK)
         *shell = made;
@@ -844,9 +897,9 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
     }
     if (status == BAT_OK)
     {
-        restore(&work->frame, shell->patches, shell->cage.face_count * 48);
-        restore(&work->frame, shell->cage.positions, shell->cage.vertex_count * 3);
-        work->report = restore_report(&work->frame, &work->report);
+        restore(&work->frame, shell->patches, shell->cage.face_count * 16);
+        restore(&work->frame, shell->cage.positions, shell->cage.vertex_count);
+        work->report = restore_report(work->unit, &work->report);
     }
     return status;
 }

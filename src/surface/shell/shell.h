@@ -21,22 +21,16 @@ static inline double shell_spacing(const neighbour_list *near)
     return 1.7724538509055159 * sqrt(near->entries[near->count - 1].squared / SHELL_SPACING_POINTS);
 }
 
-/// What was found on the way.
-typedef struct shell_connection
-{
-    double spacing; ///< median distance of neighbours
-    double noise;   ///< standard deviation of a coordinate, from neighbourhoods
-    double cell;    ///< of the grid: details below it are lost
-} shell_connection;
-
 /// Points and what is known of them.
 typedef struct shell_cloud
 {
-    const double *points; ///< count x 3
+    const double *points; ///< count x 3, distinct
     size_t count;
-    const nearest_tree *tree;
-    const double *areas; ///< count: the area that each point has for itself
-    double spacing, noise;
+    const nearest_tree *tree; ///< of the points
+    double spacing;           ///< median distance of neighbours
+    double noise;             ///< standard deviation of a coordinate, from neighbourhoods
+    double cell;              ///< of the grid that connects them: details below it are lost
+    const double *areas;      ///< count: the area that each point has for itself
 } shell_cloud;
 
 /// What can be reached from far away between the points.
@@ -58,31 +52,29 @@ bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, memor
                         bat_error *error);
 
 /// Make the zero level of a smooth function whose gradients are the normals of the points.
-/// @param points  count x 3, distinct
+/// @param cloud   receives the spacing, the noise and the cell
 /// @param mesh    receives the mesh, with outward normals where it is closed
 /// @param normals receives the outward normals of the points, count x 3; may be null
-bat_status shell_connect(const double *points, size_t count, bat_progress progress, bat_mesh *mesh, double *normals,
-                         shell_connection *found, bat_error *error);
+bat_status shell_connect(shell_cloud *cloud, bat_progress progress, bat_mesh *mesh, double *normals, bat_error *error);
 
 /// Distances of places from the nearest point, in spacings of the points around that one, or in `least` where these are
 /// less.
 /// @param less what is taken off the distances first
-bat_status shell_distances(const double *points, size_t count, const double *places, size_t place_count, double less,
-                           double least, double *distances, bat_error *error);
+bat_status shell_distances(const double *points, const nearest_tree *tree, const double *places, size_t place_count,
+                           double less, double least, double *distances, bat_error *error);
 
 /// Leave out pieces that few points support, and open the holes of the points: parts of the mesh that are far from all
 /// points, in local spacings.
 /// @param fill diameter of holes that stay closed all the same
-bat_status shell_open_holes(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
-                            bat_shell_report *report, bat_error *error);
+bat_status shell_open_holes(const shell_cloud *cloud, double fill, bat_mesh *mesh, bat_shell_report *report,
+                            bat_error *error);
 
 /// Even out the last vertices of a mesh, or its boundary loops where `first` is the number of vertices, and those beside.
 /// @param ring_count of vertices that move, beginning with those
 bat_status shell_even_out(bat_mesh *mesh, size_t first, uint8_t ring_count, int rounds, bat_error *error);
 
 /// Cut tunnels and bridges of the mesh that the points contradict, and close both sides.
-bat_status shell_cut_handles(const double *points, size_t count, const shell_connection *found, bat_mesh *mesh,
-                             bat_shell_report *report, bat_error *error);
+bat_status shell_cut_handles(const shell_cloud *cloud, bat_mesh *mesh, bat_shell_report *report, bat_error *error);
 
 /// Put sharp edges of the points as creases into a copy of the mesh that connects them, where that leaves no folds.
 /// @param outwards normals of the points, count x 3; their sides alone matter
