@@ -19,13 +19,17 @@
 
 #define MAX_CUTS 1000
 #define MAX_LOOP 24   ///< edges
+#define SHORT 8       ///< edges
 #define MAX_ROOTS 96  ///< trees for one cut
 #define MAX_LOOPS 400 ///< stored
 #define RINGS 4       ///< around a disc that are evened out
 #define SMOOTHINGS 30
 
-/// Mean square of the product of unit normals, and distance of the middle from points in spacings, of a false loop.
-static const double MIN_ALONG = 0.6, MAX_EMPTY = 2;
+/// Mean square of the product of unit normals, and distance of the middle from points in spacings, of a false loop. A short
+/// one is about as wide as the points are apart: normals of all directions, whose mean square is 1/3, do not support it.
+static const double MIN_ALONG = 0.6, MIN_ALONG_SHORT = 1.0 / 3, MAX_EMPTY = 2;
+/// The same of a loop that few points support: their mean distance from it, in spacings, is 0.5 on a surface.
+static const double MIN_BARE = 1.1, MIN_ALONG_BARE = 0.2;
 
 static const uint32_t NONE = BAT_MESH_NONE;
 
@@ -186,7 +190,7 @@ static void vertex_normal(const handle_search *work, uint32_t vertex, double nor
 /// Whether the points contradict a loop.
 static bat_status judge_loop(handle_search *work, const handle_loop *loop, bool *is_false, bat_error *error)
 {
-    double middle[3] = {0}, area[3] = {0}, along = 0, alike = 0;
+    double middle[3] = {0}, area[3] = {0}, along = 0, alike = 0, bare = 0;
     const double *positions = work->mesh->positions;
     for (uint32_t k = 0; k < loop->count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -208,6 +212,7 @@ static bat_status judge_loop(handle_search *work, const handle_loop *loop, bool 
                                 &work->near, error);
     if (status != BAT_OK || empty > MAX_EMPTY * fmax(shell_spacing(&work->near), work->cell))
         return status;
+    double spacing = shell_spacing(&work->near);
     for (uint32_t k = 0; k < loop->count && status == BAT_OK; k++)
     {
         local_plane plane;
@@ -217,11 +222,13 @@ static bat_status judge_loop(handle_search *work, const handle_loop *loop, bool 
         vertex_normal(work, loop->vertices[k], normal);
         if (status == BAT_OK)
         {
+            bare += sqrt(work->near.entries[0].squared) / spacing / loop->count;
             along += pow(vector3_dot(plane.axes[2], area), 2) / loop->count;
             alike += pow(vector3_dot(plane.axes[2], normal), 2) / loop->count;
         }
     }
-    *is_false = along > MIN_ALONG && along > alike;
+    *is_false = (along > MIN_ALONG && along > alike) || (loop->count <= SHORT && along > MIN_ALONG_SHORT) ||
+                (bare > MIN_BARE && along > MIN_ALONG_BARE);
     return status;
 }
 
