@@ -459,6 +459,27 @@ static void false_handles_are_cut(void **state)
     }
 }
 
+/// Points on both sides of a sphere, half a spacing apart, are refused; those of noise as large are not.
+static void sheets_nearer_than_points_are_refused(void **state)
+{
+    (void)state;
+    for (int noisy = 0; noisy < 2; noisy++)
+    {
+        scatter made = sphere(4000, 1, noisy ? 0.014 : 0);
+        bat_shell shell = {0};
+        bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+        bat_error error;
+        options.faces = 150;
+        for (size_t k = 0; k < 3 * made.count && !noisy; k++)
+            made.points[k] *= made.points[k / 3 * 3 + 2] < 0.5 ? 1 : k / 3 % 2 == 0 ? 1.014 : 0.986;
+        bat_status status = bat_shell_reconstruct(made.points, made.count, NULL, &options, &shell, NULL, &error);
+        check_status(status, noisy ? BAT_OK : BAT_NO_CONVERGENCE);
+        assert_true(noisy || strstr(error.text, "two sheets") != NULL);
+        bat_shell_free(&shell);
+        free(made.points);
+    }
+}
+
 /// A sphere does not cross itself; drawn together at its equator to a figure of eight, it does.
 static void crossings_are_counted(void **state)
 {
@@ -664,6 +685,7 @@ int main(void)
         cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),
         cmocka_unit_test(shells_turn_and_scale_with_points),
+        cmocka_unit_test(sheets_nearer_than_points_are_refused),
         cmocka_unit_test(a_cube_keeps_its_edges),
         cmocka_unit_test(a_hollow_is_a_void),
         cmocka_unit_test(rows_are_averages),

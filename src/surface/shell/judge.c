@@ -12,7 +12,10 @@
 
 #define JUMP_PLACES 3 ///< of a side
 #define GROWTH_PLACES 64
-#define VOLUME_SAMPLES 6 ///< of a patch
+#define MISSED_POINTS 8    ///< of a neighbourhood, and least number of missed points
+#define SHEET_POINTS 24    ///< of a neighbourhood
+#define SHEET_PLACES 40000 ///< at least half as many are tried where there are more points
+#define VOLUME_SAMPLES 6   ///< of a patch
 
 /// Distances of 99 % of the points, in spacings and in standard deviations of the noise.
 static const double MAX_SPACINGS = 1.5, MAX_NOISE = 4;
@@ -20,6 +23,12 @@ static const double MAX_SPACINGS = 1.5, MAX_NOISE = 4;
 static const double MAX_REACH = 4;
 /// Root mean square distance, in spacings, from which the points may fill space; and how fast they may grow.
 static const double NOISY = 0.4, MAX_GROWTH = 5.3;
+/// Where a shell runs between two sheets of points, their signed distances have two values: little mean (squared, in the
+/// variance), a kurtosis near 1 (a normal distribution has 3), more variance than elsewhere, and a least size in spacings.
+/// The last is the least share of such places.
+static const double MAX_MEAN = 0.25, MAX_KURTOSIS = 1.6, MIN_SPREAD = 4, MIN_SHEETS = 0.05, MAX_SPLIT = 0.003;
+/// Least distance of missed points in the least of such, and largest one from points that are not missed, in spacings.
+static const double MIN_MISSED = 1.5, MAX_BESIDE = 3;
 /// Share of places with a normal against that of the points, and of the volume.
 static const double MAX_TURNED = 0.01, MAX_VOLUME = 0.05;
 /// Angle between the normals of neighbouring patches, from which one lies on the other: a right angle.
@@ -225,6 +234,110 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
     }
     nearest_free(&tree);
     memory_pool_free(&samples.pool);
+    return status;
+}
+
+/// Signed distances of the points from the shell.
+static void measure_heights(const shell_fit *fit, double *heights)
+{
+    for (size_t i = 0; i < fit->count; i++)
+    {
+        const shell_place *place = &fit->places[i];
+        double point[3], along[2][3], normal[3], arm[3];
+        shell_patch_evaluate(fit->bezier + 48 * (size_t)place->face, place->u, place->v, point, along);
+        vector3_cross(along[0], along[1], normal);
+        (void)vector3_normalize(normal);
+        vector3_subtract(fit->points + 3 * i, point, arm);
+        heights[i] = vector3_dot(arm, normal);
+    }
+}
+
+/// Find a point between two sheets. SIZE_MAX: there are too few.
+static bat_status find_sheets(const shell_fit *fit, const nearest_tree *tree, double spacing, size_t *worst,
+                              bat_error *error)
+{
+    neighbour_list near = {0};
+    memory_pool pool = {0};
+    size_t count = 0, step = fit->count / SHEET_PLACES + 1, places = (fit->count - 1) / step + 1;
+    double *heights = memory_pool_array(&pool, fit->count, sizeof *heights),
+           *squares = memory_pool_array(&pool, places, 2 * sizeof *squares), *sorted = squares + places, most = 0;
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        measure_heights(fit, heights);
+    for (size_t k = 0; k < places && status == BAT_OK; k++)
+    {
+        double moments[5] = {0};
+        status = neighbours_nearest(tree, fit->points + 3 * k * step, SHEET_POINTS, &near, error);
+        for (size_t j = 0; j < near.count; j++)
+            for (int power = 1; power < 5; power++)
+                moments[power] += pow(heights[near.entries[j].item], power) / (double)near.count;
+        bool split = moments[1] * moments[1] < MAX_MEAN * moments[2] &&
+                     moments[4] < MAX_KURTOSIS * moments[2] * moments[2] &&
+                     moments[2] > MIN_SHEETS * MIN_SHEETS * spacing * spacing;
+        sorted[k] = moments[2];
+        squares[k] = split ? moments[2] : 0;
+    }
+    double median = status == BAT_OK ? sort_median(sorted, places) : 0;
+    for (size_t k = 0; k < places && status == BAT_OK; k++)
+    {
+        count += squares[k] > MIN_SPREAD * median;
+        *worst = squares[k] > most ? k * step : *worst;
+        most = fmax(most, squares[k]);
+    }
+    *worst = (double)count > MAX_SPLIT * (double)places ? *worst : SIZE_MAX;
+    neighbour_list_free(&near);
+    memory_pool_free(&pool);
+    return status;
+}
+
+/// Find the farthest of points that are missed together, beside points that are not: a part, where outliers are alone and
+/// debris is by itself. SIZE_MAX: there are too few, or none is far.
+static bat_status find_missed(const shell_fit *fit, const nearest_tree *tree, double far, double spacing, size_t *worst,
+                              bat_error *error)
+{
+    neighbour_list near = {0};
+    size_t together = 0, beside = 0;
+    double most = 0;
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < fit->count && status == BAT_OK; i++)
+    {
+        size_t missed = 0, met = 0;
+        if (fit->squared[i] <= far * far)
+            continue;
+        status = neighbours_nearest(tree, fit->points + 3 * i, MISSED_POINTS, &near, error);
+        for (size_t k = 0; k < near.count; k++)
+        {
+            bool is_missed = fit->squared[near.entries[k].item] > far * far;
+            missed += is_missed;
+            met += !is_missed && near.entries[k].squared < MAX_BESIDE * MAX_BESIDE * spacing * spacing;
+        }
+        together += 2 * missed > near.count;
+        beside += 2 * missed > near.count && met > 0;
+        *worst = 2 * missed > near.count && fit->squared[i] > most ? i : *worst;
+        most = *worst == i ? fit->squared[i] : most;
+    }
+    neighbour_list_free(&near);
+    if (together < MISSED_POINTS || beside == 0 || most < MIN_MISSED * MIN_MISSED * far * far)
+        *worst = SIZE_MAX;
+    return status;
+}
+
+bat_status shell_find_fault(const shell_fit *fit, const bat_shell_report *report, shell_fault *fault, size_t *worst,
+                            bat_error *error)
+{
+    nearest_tree tree = {0};
+    double far = fmax(MAX_SPACINGS * report->spacing, MAX_NOISE * report->noise);
+    bat_status status = neighbours_build(fit->points, fit->count, &tree, error);
+    *fault = SHELL_SHEETS;
+    if (status == BAT_OK)
+        status = find_sheets(fit, &tree, report->spacing, worst, error);
+    if (status == BAT_OK && *worst == SIZE_MAX)
+    {
+        *fault = SHELL_MISSED;
+        status = find_missed(fit, &tree, far, report->spacing, worst, error);
+    }
+    *fault = *worst == SIZE_MAX ? SHELL_RIGHT : *fault;
+    nearest_free(&tree);
     return status;
 }
 

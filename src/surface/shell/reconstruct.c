@@ -127,6 +127,7 @@ typedef struct shell_work
     double *squared;        ///< count: squared distances in the last fit on trial
     bool closed;            ///< the mesh of points
     bool folded;            ///< the first fit
+    bool split;             ///< the shell is between two sheets of points
     double noise, stiffness;
     double normals; ///< their weight in the error of the layout
     bat_shell_report report;
@@ -751,6 +752,25 @@ static bat_status unfold(const shell_work *work, shell_trial *trial, size_t *fol
     return status;
 }
 
+/// Refuse a shell that its points contradict at some place.
+static bat_status check_places(shell_work *work, const shell_fit *fit, bat_error *error)
+{
+    static const char *const TEXTS[] = {
+        [SHELL_SHEETS] = "the points lie on two sheets near %.4g %.4g %.4g, nearer to each other than their points; more "
+                         "points would tell them apart",
+        [SHELL_MISSED] = "the shell misses a part of the points near %.4g %.4g %.4g; more points would tell its shape"};
+    size_t worst = SIZE_MAX;
+    shell_fault fault = SHELL_RIGHT;
+    bat_status status = shell_find_fault(fit, &work->report, &fault, &worst, error);
+    if (status != BAT_OK || fault == SHELL_RIGHT)
+        return status;
+    double place[3];
+    memcpy(place, fit->points + 3 * worst, sizeof place);
+    restore(&work->frame, place, 1);
+    work->split = fault == SHELL_SHEETS;
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, TEXTS[fault], place[0], place[1], place[2]);
+}
+
 /// Fit a number of faces to all points, and judge the shell.
 /// @param strict whether it is wrong where folds stay
 static bat_status fit_faces(shell_work *work, size_t faces, bool strict, bat_progress progress, bat_shell *shell,
@@ -781,6 +801,8 @@ static bat_status fit_faces(shell_work *work, size_t faces, bool strict, bat_pro
     const bat_shell_report report = restore_report(work->unit, &work->report);
     if (status == BAT_OK && !work->options->force)
         status = shell_judge(&made, &report, work->unit * work->noise, error);
+    if (status == BAT_OK && !work->options->force)
+        status = check_places(work, &trial.fit, error);
     trial_free(&trial);
     if (status == BAT_OK)
         *shell = made;
@@ -878,7 +900,7 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
         status = fit_creases(work, faces, strict, progress_of_part(&last), shell, &fitted, error);
     if (status == BAT_OK && !fitted)
         status = fit_faces(work, faces, strict, progress_of_part(&last), shell, error);
-    for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && (strict || work->normals > NORMALS); k++)
+    for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && !work->split && (strict || work->normals > NORMALS); k++)
     {
         bat_error failure;
         bool weighed = work->normals > NORMALS, again = k == 0 && (work->folded || work->stiffness > 1 || weighed);

@@ -244,6 +244,18 @@ bat_status shell_find_folds(const shell_fit *fit, const bat_mesh *mesh, bool *ma
 bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat_mesh *mesh, bat_shell_report *report,
                          bat_error *error);
 
+typedef enum shell_fault
+{
+    SHELL_RIGHT,
+    SHELL_SHEETS, ///< the shell runs between two sheets of points, nearer to each other than their points
+    SHELL_MISSED  ///< a part of the points is far from the shell
+} shell_fault;
+
+/// What the points beside each other say against a shell that was measured.
+/// @param worst receives a point there
+bat_status shell_find_fault(const shell_fit *fit, const bat_shell_report *report, shell_fault *fault, size_t *worst,
+                            bat_error *error);
+
 /// BAT_OK, or BAT_NO_CONVERGENCE with a text of what is wrong.
 /// @param noise estimated from neighbourhoods of the points
 bat_status shell_judge(const bat_shell *shell, const bat_shell_report *report, double noise, bat_error *error);
