@@ -464,7 +464,8 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool 
     (void)bat_surface_verdict_check(verdict, &wrong);
     (void)error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s%s", wrong.text,
                     trimmed ? "" : "; a trimmed surface fits concave outlines and holes");
-    return error_remedy(error, BAT_NO_CONVERGENCE, "force", "writes it nevertheless");
+    return trimmed ? error_remedy(error, BAT_NO_CONVERGENCE, "force", "writes it nevertheless")
+                   : error_remedy(error, BAT_NO_CONVERGENCE, "shell", "fits any shape");
 }
 
 static bat_status check_part(const reconstruction *work, bat_cloud_parameters_report *folds, bat_error *error)
