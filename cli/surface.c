@@ -224,6 +224,14 @@ static bool check(void *of)
 
 // Shells
 
+/// Whether another surface is to follow the failure of a patch.
+static bool leads_on(surface_job *job, const bat_error *failure)
+{
+    bool outlined = job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
+    return bat_shell_follows(&job->options, outlined || job->model_file != NULL || job->parameters != NULL, failure,
+                             &job->shell_options);
+}
+
 /// Whether a shell is to follow the failure of a patch, and can be written.
 static bool leads_to_shell(surface_job *job)
 {
@@ -231,9 +239,7 @@ static bool leads_to_shell(surface_job *job)
     if (job->call.output != NULL && job->write.format == BAT_SURFACE_FORMAT_AUTO)
         (void)bat_choice_of_path(&bat_surface_format_family, job->call.output, true, &row, NULL);
     int format = row != NULL ? row->value : (int)job->write.format;
-    bool outlined = job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
-    return bat_shell_follows(&job->options, outlined || job->model_file != NULL || job->parameters != NULL, report_error(),
-                             &job->shell_options) &&
+    return leads_on(job, report_error()) &&
            (format == BAT_SURFACE_FORMAT_AUTO || format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_OBJ);
 }
 
@@ -339,6 +345,12 @@ static int reconstruct(surface_job *job)
         options.given = given;
         options.fit.progress = report_progress("fitting");
         bat_status status = bat_surface_reconstruct_edges(&job->cloud, &options, job->edges, &job->result, report_error());
+        if (status != BAT_OK && strcmp(report_error()->remedy, "trim") == 0 &&
+            leads_on(job, &(bat_error){.remedy = "shell"}))
+        {
+            options.trim = true;
+            status = bat_surface_reconstruct_edges(&job->cloud, &options, job->edges, &job->result, report_error());
+        }
         code = status != BAT_OK && leads_to_shell(job) ? make_shell(job)
                                                        : report_status(job->call.given, job->call.input, status);
     }

@@ -307,14 +307,18 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
     how.parameters = lib.BAT_SURFACE_PARAMETERS_GIVEN
     if isinstance(parameters, str):
         how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
-    try:
-        return _patch(points, faces, boundary, corners, parameters, edges, progress, how)
-    except BattenError as error:
-        follow = options("bat_shell_reconstruct_options", {})
-        failure = ffi.new("bat_error *", {"remedy": (error.remedy or "").encode()})
-        if shell is not None or not lib.bat_shell_follows(how, outlined, failure, follow):
-            raise
-        return _shell(points, faces, follow, progress)
+    follow = options("bat_shell_reconstruct_options", {})
+    leads_on = shell is None and lib.bat_shell_follows(how, outlined, ffi.new("bat_error *", {"remedy": b"shell"}), follow)
+    for trim in (how.trim, True):
+        how.trim = trim
+        try:
+            return _patch(points, faces, boundary, corners, parameters, edges, progress, how)
+        except BattenError as error:
+            if not leads_on or error.remedy not in ("trim", "shell"):
+                raise
+            if error.remedy == "shell":
+                break
+    return _shell(points, faces, follow, progress)
 
 
 def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, edges: str, progress: Progress, how: Any) -> Surface:

@@ -113,6 +113,21 @@ def test_a_closed_cloud_becomes_a_shell(torus, tmp_path, sphere_mesh):
     assert ball.closed and batten.measure(ball.mesh(2).triangulate()).genus == 0
 
 
+def test_what_is_no_disc_is_trimmed_or_becomes_a_shell():
+    """A plate with a hole is trimmed, a pipe is an open shell."""
+    x, y = np.random.default_rng(5).random((2, 3000))
+    outside = np.hypot(x - 0.5, y - 0.5) > 0.25
+    plate = np.stack([x, y, 0.2 * np.sin(3 * x)], axis=1)[outside]
+    surface = batten.fit_surface(plate)
+    assert isinstance(surface, batten.Surface) and surface.report.verdict.area < 0.9
+    with pytest.raises(batten.BattenError, match="several boundary loops"):
+        batten.fit_surface(plate, shell=False)
+    angles, heights = np.random.default_rng(6).random((2, 10000))
+    pipe = np.stack([np.cos(2 * np.pi * angles), np.sin(2 * np.pi * angles), 4 * heights], axis=1)
+    shell = batten.fit_surface(pipe)
+    assert isinstance(shell, batten.Shell) and not shell.closed and shell.report.holes == 2
+
+
 def test_shells_refuse(torus):
     with pytest.raises(batten.InvalidArgument, match="face"):
         batten.fit_surface(torus, shell=True, faces=60)(10**6, 0, 0)

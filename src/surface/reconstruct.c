@@ -462,10 +462,9 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool 
         return reconstruction_tell_one_sided(error);
     bat_error wrong = {0};
     (void)bat_surface_verdict_check(verdict, &wrong);
-    (void)error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s%s", wrong.text,
-                    trimmed ? "" : "; a trimmed surface fits concave outlines and holes");
-    return trimmed ? error_remedy(error, BAT_NO_CONVERGENCE, "force", "writes it nevertheless")
-                   : error_remedy(error, BAT_NO_CONVERGENCE, "shell", "fits any shape");
+    (void)error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s", wrong.text);
+    return trimmed ? error_remedy(error, BAT_NO_CONVERGENCE, "shell", "fits any shape")
+                   : error_remedy(error, BAT_NO_CONVERGENCE, "trim", "fits concave outlines and holes");
 }
 
 static bat_status check_part(const reconstruction *work, bat_cloud_parameters_report *folds, bat_error *error)

@@ -273,7 +273,7 @@ static void wrong_surfaces_are_refused(void **state)
     bat_error error = {0};
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_NO_CONVERGENCE);
     assert_non_null(strstr(error.text, "the surface is wrong: "));
-    assert_string_equal(error.remedy, "force");
+    assert_string_equal(error.remedy, "trim");
     assert_null(result.surface.space);
     options.force = true;
     bat_surface_result forced = must_reconstruct(&made.cloud, &options);
