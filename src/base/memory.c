@@ -37,6 +37,22 @@ void *memory_array(size_t count, size_t size)
     return memory;
 }
 
+static bat_status array_set(void *pointer, void *made, size_t bytes, bat_error *error)
+{
+    memcpy(pointer, &made, sizeof made);
+    return made != NULL ? BAT_OK : error_memory(error, bytes);
+}
+
+bat_status array_make(void *pointer, size_t count, size_t size, bat_error *error)
+{
+    return array_set(pointer, memory_array(count, size), count * size, error);
+}
+
+bat_status array_zeros(void *pointer, size_t count, size_t size, bat_error *error)
+{
+    return array_set(pointer, calloc(count, size), count * size, error);
+}
+
 #if defined(__SSE2__)
 /// Whole cache lines, `count` a multiple of 8, `to` aligned to 64 bytes.
 __attribute__((target("avx512f"))) static void stream_lines_512(double *restrict to, const double *restrict from,

@@ -20,6 +20,12 @@ static inline size_t size_clipped(uint64_t number)
 /// Null when out of memory, when the size overflows; never null for a count of 0.
 void *memory_array(size_t count, size_t size);
 
+/// Let a pointer to any type, whose address is `pointer`, point to a memory_array(); null when out of memory.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status array_make(void *pointer, size_t count, size_t size, bat_error *error);
+/// The same of calloc(): with all bytes 0.
+bat_status array_zeros(void *pointer, size_t count, size_t size, bat_error *error);
+
 /// memcpy past the caches where the machine can: for results much larger than the caches, which nobody reads soon.
 /// Both addresses are multiples of 8.
 void memory_stream(double *restrict to, const double *restrict from, size_t count);

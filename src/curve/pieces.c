@@ -104,9 +104,8 @@ static bat_status cut(pieces *all, const bat_curve *coarse, bat_error *error)
     bat_status status = turned ? turn(all, coarse, error) : BAT_OK;
     if (status != BAT_OK)
         return status;
-    all->list = memory_array(all->corner_count + 1, sizeof *all->list);
-    if (all->list == NULL)
-        return error_memory(error, (all->corner_count + 1) * sizeof *all->list);
+    if (array_make(&all->list, all->corner_count + 1, sizeof *all->list, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bool whole = coarse->closed && !turned;
     for (size_t edge = 0; edge < all->edges;)
     {

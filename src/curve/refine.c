@@ -25,9 +25,8 @@ static bat_status padded_make(const bat_space *space, const cascade *task, size_
     padded->before = support.begin < 0 ? (size_t)-support.begin : 0;
     padded->after = support.end > (ptrdiff_t)count ? (size_t)support.end - count : 0;
     size_t rows = padded->before + count + padded->after;
-    padded->buffer = memory_array(rows, space->point_dim * sizeof *padded->buffer);
-    if (padded->buffer == NULL)
-        return error_memory(error, rows * space->point_dim * sizeof *padded->buffer);
+    if (array_make(&padded->buffer, rows, space->point_dim * sizeof *padded->buffer, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     padded->rows = padded->buffer + padded->before * space->point_dim;
     return BAT_OK;
 }
@@ -276,9 +275,8 @@ static bat_status prepare_source(const refine_input *from, const bat_curve_schem
         padded.after = after > padded.after ? after : padded.after;
     }
     size_t dim = from->space->point_dim, count = padded.before + padded.count + padded.after;
-    padded.buffer = memory_array(count, dim * sizeof *padded.buffer);
-    if (padded.buffer == NULL)
-        return error_memory(error, count * dim * sizeof *padded.buffer);
+    if (array_make(&padded.buffer, count, dim * sizeof *padded.buffer, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     padded.rows = padded.buffer + padded.before * dim;
     memcpy(padded.rows, from->rows, padded.count * dim * sizeof *padded.rows);
     bat_status status = extend(&padded, kernel, scheme, plan->options.ends, error);

@@ -428,9 +428,8 @@ static bat_status make_piece(smooth_piece *p, bat_error *error)
 {
     size_t n = p->space->dimension, frame = space_is_euclidean(p->space) ? 0 : n * p->tangent;
     bat_status status = smooth_fit_make(p->count, n, p->closed, &p->fit, error);
-    p->given = memory_array(p->count, (2 * p->dim + n + frame) * sizeof(double));
-    if (p->given == NULL)
-        return error_memory(error, p->count * (2 * p->dim + n + frame) * sizeof(double));
+    if (array_make(&p->given, p->count, (2 * p->dim + n + frame) * sizeof(double), error) != BAT_OK)
+        return BAT_NO_MEMORY;
     p->points = p->given + p->count * p->dim;
     p->moves = p->points + p->count * p->dim;
     p->frames = frame > 0 ? p->moves + p->count * n : NULL;

@@ -108,9 +108,8 @@ static bat_status check_cover(parts *file, bat_error *error)
 static bat_status parse_entries(parts *file, bat_error *error)
 {
     size_t members = json_object_size(file->header);
-    file->entries = calloc(members + 1, sizeof *file->entries);
-    if (file->entries == NULL)
-        return error_memory(error, (members + 1) * sizeof *file->entries);
+    if (array_zeros(&file->entries, members + 1, sizeof *file->entries, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     const char *name;
     json_t *value;
     json_object_foreach(file->header, name, value)

@@ -325,9 +325,8 @@ bat_status multifrontal_factor(multifrontal *solver, const double *lower, const 
     if (reserved != BAT_OK)
         return reserved;
     size_t size = solver->tree.update_max;
-    solver->updates = memory_array(size, solver->sides * sizeof(double));
-    if (solver->updates == NULL)
-        return error_memory(error, size * solver->sides * sizeof(double));
+    if (array_make(&solver->updates, size, solver->sides * sizeof(double), error) != BAT_OK)
+        return BAT_NO_MEMORY;
     blas_single_begin();
     *pivot = factor_fronts(solver, lower, upper);
     blas_single_end();

@@ -76,9 +76,8 @@ static bat_status load_rows(hermite_plan *plan, bat_error *error)
 {
     const bat_hermite_curve *coarse = plan->coarse;
     size_t rows = plan->before + coarse->count + plan->after, row_size = plan->dim * sizeof(double);
-    plan->buffer = memory_array(rows, row_size);
-    if (plan->buffer == NULL)
-        return error_memory(error, rows * row_size);
+    if (array_make(&plan->buffer, rows, row_size, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     plan->rows = plan->buffer + plan->before * plan->dim;
     for (size_t i = 0; i < coarse->count; i++)
     {

@@ -206,9 +206,8 @@ bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order,
     if (status != BAT_OK)
         return status;
     estimate e = {.curve = curve, .edges = curve->closed ? curve->count : curve->count - 1};
-    e.lengths = memory_array(e.edges, sizeof *e.lengths);
-    if (e.lengths == NULL)
-        return error_memory(error, e.edges * sizeof *e.lengths);
+    if (array_make(&e.lengths, e.edges, sizeof *e.lengths, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     status = estimate_tangents(&e, order, error);
     free(e.lengths);
     if (status == BAT_OK)

@@ -578,9 +578,8 @@ static bat_status make_curve(bat_hermite_curve *smooth, const result_columns *co
         .space = smooth->space, .count = smooth->count, .closed = smooth->closed, .channel_count = columns->channel_count};
     if (curve->channel_count > 0)
     {
-        curve->channels = memory_array(curve->count, curve->channel_count * sizeof(double));
-        if (curve->channels == NULL)
-            return error_memory(error, curve->count * curve->channel_count * sizeof(double));
+        if (array_make(&curve->channels, curve->count, curve->channel_count * sizeof(double), error) != BAT_OK)
+            return BAT_NO_MEMORY;
         bat_status status = fill_channels(smooth, columns, curve, error);
         if (status != BAT_OK)
             return status;
@@ -703,9 +702,8 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     bat_motion_report *report = options->report;
     if (report != NULL)
     {
-        accelerations = memory_array(smooth->count, space->tangent_dim * sizeof(double));
-        if (accelerations == NULL)
-            return error_memory(error, smooth->count * space->tangent_dim * sizeof(double));
+        if (array_make(&accelerations, smooth->count, space->tangent_dim * sizeof(double), error) != BAT_OK)
+            return BAT_NO_MEMORY;
     }
     status = bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, accelerations,
                                       error);

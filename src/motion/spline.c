@@ -164,9 +164,8 @@ static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
 static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spline, bat_error *error)
 {
     const bat_space *space = &spline->space;
-    spline->factors = memory_array(MAX_FACTORS, sizeof *spline->factors);
-    if (spline->factors == NULL)
-        return error_memory(error, MAX_FACTORS * sizeof *spline->factors);
+    if (array_make(&spline->factors, MAX_FACTORS, sizeof *spline->factors, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     spline->factor_count = spline_factors(space, spline->factors, MAX_FACTORS);
     if (spline->factor_count == 0)
         return ERROR_TOO_LARGE(error, "the product has more than %d factors", MAX_FACTORS);

@@ -241,9 +241,8 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
                                  surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
-    candidate->corrected = memory_array(cloud->count, 2 * sizeof *candidate->corrected);
-    if (candidate->corrected == NULL)
-        return error_memory(error, cloud->count * 2 * sizeof *candidate->corrected);
+    if (array_make(&candidate->corrected, cloud->count, 2 * sizeof *candidate->corrected, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     memcpy(candidate->corrected, candidate->parameters, 2 * cloud->count * sizeof *candidate->corrected);
     bat_surface_fit_data data = {.points = cloud->points,
                                  .parameters = candidate->corrected,

@@ -86,9 +86,8 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
                                 bat_error *error)
 {
     shared_work work = shared_work_make(next->count, how->progress);
-    next->starts = calloc(next->count, sizeof *next->starts);
-    if (next->starts == NULL)
-        return error_memory(error, next->count * sizeof *next->starts);
+    if (array_zeros(&next->starts, next->count, sizeof *next->starts, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     size_t least = SIZE_MAX, most = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(how->threads, next->count)) reduction(min                \
                                                                                                          : least)           \
@@ -391,9 +390,8 @@ static bat_status copy_arcs(arc_job *job, bat_error *error)
     {
         arcs[a] = job->graph->arcs[a];
         size_t size = arcs[a].count * arcs[a].space->point_dim * sizeof(double);
-        arcs[a].points = memory_array(size, 1);
-        if (arcs[a].points == NULL)
-            return error_memory(error, size);
+        if (array_make(&arcs[a].points, size, 1, error) != BAT_OK)
+            return BAT_NO_MEMORY;
         memcpy(arcs[a].points, job->graph->arcs[a].points, size);
     }
     return BAT_OK;

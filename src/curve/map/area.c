@@ -98,9 +98,8 @@ bat_status chart_curves_make(const map_chart *chart, const bat_curve *curves, si
     }
     if (!chart->globe)
         return BAT_OK;
-    charts->points = memory_array(room, 2 * sizeof *charts->points);
-    if (charts->points == NULL)
-        return error_memory(error, room * 2 * sizeof *charts->points);
+    if (array_make(&charts->points, room, 2 * sizeof *charts->points, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     double *at = charts->points;
     for (size_t i = 0; i < count; i++)
     {
@@ -584,13 +583,11 @@ static void restore(area_job *job)
 
 static bat_status run(area_job *job, bool tested, double *largest, bat_error *error)
 {
-    double *losses = memory_array(job->count, sizeof *losses);
-    if (losses == NULL)
-        return error_memory(error, job->count * sizeof *losses);
-    bat_status status = BAT_OK;
+    double *losses;
+    bat_status status = array_make(&losses, job->count, sizeof *losses, error);
     bool apart = false;
     size_t ring = BAT_NO_INDEX;
-    if (tested)
+    if (status == BAT_OK && tested)
         status = freeze_crossings(job, error);
     job->moved = true;
     for (size_t round = 0; round < ROUNDS && status == BAT_OK && !apart; round++)

@@ -98,9 +98,8 @@ static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
 {
     const bat_curve *given = &job->curves[curve];
     size_t count;
-    job->corners[curve] = memory_array(given->count, 1);
-    if (job->corners[curve] == NULL)
-        return error_memory(error, given->count);
+    if (array_make(&job->corners[curve], given->count, 1, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bat_status status = corners_find(given, &job->refine, job->corners[curve], &count, error);
     if (status == BAT_OK && has_straight_edges(job))
         status = degrees_flag_runs(given, &job->straight, job->corners[curve], error);
@@ -114,9 +113,8 @@ static bat_status find_all_corners(map_job *job, bat_error *error)
         has_corners |= corners_wanted(&job->curves[i], &job->refine);
     if (!has_corners)
         return BAT_OK;
-    job->corners = calloc(job->count, sizeof *job->corners);
-    if (job->corners == NULL)
-        return error_memory(error, job->count * sizeof *job->corners);
+    if (array_zeros(&job->corners, job->count, sizeof *job->corners, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bat_status status = for_each_curve(job, find_corners, error);
     for (size_t i = 0; i < job->count && status == BAT_OK; i++)
         for (size_t k = 0; k < job->curves[i].count; k++)
@@ -167,9 +165,8 @@ static bat_status find_touching(map_job *job, size_t curve, bat_error *error)
     if (!corners_stay(&job->refine))
         return BAT_OK;
     free(joined->corners);
-    joined->corners = memory_array(joined->count, 1);
-    if (joined->corners == NULL)
-        return error_memory(error, joined->count);
+    if (array_make(&joined->corners, joined->count, 1, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     memset(joined->corners, 1, joined->count);
     return BAT_OK;
 }
@@ -177,9 +174,8 @@ static bat_status find_touching(map_job *job, size_t curve, bat_error *error)
 static bat_status find_all_touching(map_job *job, bat_error *error)
 {
     job->given = job->curves;
-    job->touching = calloc(job->count, 1);
-    if (job->touching == NULL)
-        return error_memory(error, job->count);
+    if (array_zeros(&job->touching, job->count, 1, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bat_status status = for_each_curve(job, find_touching, error);
     for (size_t i = 0; i < job->count; i++)
     {
@@ -288,9 +284,8 @@ static bat_status refine_channels(const map_job *job, size_t curve, size_t begin
     size_t channels = given->channel_count, row = channels * sizeof(double);
     bat_curve slice = *arc;
     slice.channel_count = channels;
-    slice.channels = memory_array(arc->count, row);
-    if (slice.channels == NULL)
-        return error_memory(error, arc->count * row);
+    if (array_make(&slice.channels, arc->count, row, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < arc->count; i++)
     {
         size_t step = arc->closed ? (use->reversed ? use->offset + arc->count - i : i + arc->count - use->offset)
@@ -387,8 +382,7 @@ static bat_status cut_line(map_job *job, size_t line, bat_error *error)
 
 static bat_status cut_chains(map_job *job, bat_error *error)
 {
-    job->cut = calloc(job->line_count, sizeof *job->cut);
-    bat_status status = job->cut != NULL ? BAT_OK : error_memory(error, job->line_count * sizeof *job->cut);
+    bat_status status = array_zeros(&job->cut, job->line_count, sizeof *job->cut, error);
     for (size_t i = 0; i < job->line_count && status == BAT_OK; i++)
         status = cut_line(job, i, error);
     return status;
@@ -516,9 +510,8 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
                            : ERROR_UNSUPPORTED(error, 0, "there are no areas in this space");
     if (status != BAT_OK)
         return status;
-    job->result = calloc(job->count, sizeof *job->result);
-    if (job->result == NULL)
-        return error_memory(error, job->count * sizeof *job->result);
+    if (array_zeros(&job->result, job->count, sizeof *job->result, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     status = for_each_curve(job, assemble_curve, error);
     if (status == BAT_OK && job->chains.pairs > 0)
         status = cut_chains(job, error);
@@ -538,9 +531,8 @@ static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options 
 
 static bat_status refine_separately(map_job *job, bat_error *error)
 {
-    job->result = calloc(job->count, sizeof *job->result);
-    if (job->result == NULL)
-        return error_memory(error, job->count * sizeof *job->result);
+    if (array_zeros(&job->result, job->count, sizeof *job->result, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     job->refine.report = &job->report.curves;
     return bat_curves_refine(job->curves, job->count, &job->refine, job->result, error);
 }

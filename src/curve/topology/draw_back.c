@@ -358,9 +358,8 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
 
 static bat_status make_states(draw_back_job *job, bat_error *error)
 {
-    job->first = memory_array(job->count, sizeof *job->first);
-    if (job->first == NULL)
-        return error_memory(error, job->count * sizeof *job->first);
+    if (array_make(&job->first, job->count, sizeof *job->first, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t c = 0; c < job->count; c++)
     {
         job->first[c] = job->edge_count;

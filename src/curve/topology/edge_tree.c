@@ -88,9 +88,8 @@ static bat_status copy_all(edge_tree *tree, bat_error *error)
     for (size_t c = 0; c < tree->curve_count; c++)
     {
         tree_curve *curve = &tree->curves[c];
-        curve->copy = memory_array(curve->count * tree->dim, sizeof *curve->copy);
-        if (curve->copy == NULL)
-            return error_memory(error, curve->count * tree->dim * sizeof *curve->copy);
+        if (array_make(&curve->copy, curve->count * tree->dim, sizeof *curve->copy, error) != BAT_OK)
+            return BAT_NO_MEMORY;
         copy_points(tree, curve, 0, curve->count);
     }
     return BAT_OK;
@@ -319,9 +318,8 @@ static void make_node(edge_tree *tree, size_t level, size_t index)
 static bat_status lay_out(edge_tree *tree, const bat_curve *curves, bat_error *error)
 {
     size_t leaves = 0, nodes = 0;
-    tree->curves = calloc(tree->curve_count, sizeof *tree->curves);
-    if (tree->curves == NULL)
-        return error_memory(error, tree->curve_count * sizeof *tree->curves);
+    if (array_zeros(&tree->curves, tree->curve_count, sizeof *tree->curves, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t c = 0; c < tree->curve_count; c++)
     {
         size_t count = curves[c].count, edges = curves[c].closed || count == 0 ? count : count - 1;

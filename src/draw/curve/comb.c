@@ -165,10 +165,8 @@ static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const seg
                                 bat_error *error)
 {
     size_t n = row->segments->point_dim;
-    double *segment = memory_array(2 * n, sizeof(double));
-    if (segment == NULL)
-        return error_memory(error, 2 * n * sizeof(double));
-    bat_status status = BAT_OK;
+    double *segment;
+    bat_status status = array_make(&segment, 2 * n, sizeof(double), error);
     comb_segment last = {0};
     for (size_t i = row->first; i < row->end && status == BAT_OK; i++)
     {

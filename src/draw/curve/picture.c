@@ -61,9 +61,8 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
     for (size_t i = 0; i < made->count; i++)
         max_count += made->panels[i].source->layer_count;
     *count = 0;
-    *items = memory_array(max_count, sizeof **items);
-    if (*items == NULL)
-        return error_memory(error, max_count * sizeof **items);
+    if (array_make(items, max_count, sizeof **items, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < made->count && made->options->legend; i++)
     {
         const bat_curve_picture_panel *panel = made->panels[i].source;

@@ -119,9 +119,8 @@ static bat_status check_panel(const bat_curve_picture_panel *panel, size_t index
 static bat_status make_combs(scene_panel *panel, bat_error *error)
 {
     const bat_curve_picture_panel *source = panel->drawn;
-    panel->combs = calloc(source->layer_count, sizeof *panel->combs);
-    if (panel->combs == NULL)
-        return error_memory(error, source->layer_count * sizeof *panel->combs);
+    if (array_zeros(&panel->combs, source->layer_count, sizeof *panel->combs, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bat_status status = BAT_OK;
     for (size_t i = 0; i < source->layer_count && status == BAT_OK; i++)
     {
@@ -344,9 +343,8 @@ bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, co
         return status;
     *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, MIN_PANEL)};
     made->rows = (count + made->columns - 1) / made->columns;
-    made->panels = calloc(count, sizeof *made->panels);
-    if (made->panels == NULL)
-        return error_memory(error, count * sizeof *made->panels);
+    if (array_zeros(&made->panels, count, sizeof *made->panels, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     status = fill(made, panels, error);
     if (status != BAT_OK)
         scene_free(made);

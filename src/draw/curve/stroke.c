@@ -11,9 +11,8 @@ bat_status coverage_begin(double low_x, double low_y, double high_x, double high
     made.columns = (size_t)((high_x - low_x) / COVERAGE_CELL) + 1;
     made.rows = (size_t)((high_y - low_y) / COVERAGE_CELL) + 1;
     made.stride = made.columns / 64 + 1;
-    made.words = calloc(made.rows, made.stride * sizeof *made.words);
-    if (made.words == NULL)
-        return error_memory(error, made.rows * made.stride * sizeof *made.words);
+    if (array_zeros(&made.words, made.rows, made.stride * sizeof *made.words, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     *map = made;
     return BAT_OK;
 }

@@ -369,9 +369,8 @@ static bat_status draw_lines(shading *s, bat_error *error)
     const bat_mesh *mesh = task->mesh;
     size_t count = s->raster.columns * s->raster.rows;
     double width = SHADE_SAMPLES * task->line;
-    s->lines = calloc(count, 1);
-    if (s->lines == NULL)
-        return error_memory(error, count);
+    if (array_zeros(&s->lines, count, 1, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t k = 0; k < task->outline_count; k += 2)
         mesh_raster_line(&s->raster, task->outlines[k], task->outlines[k + 1], width, LINE_OUTLINE, s->lines);
     for (size_t h = 0; h < 3 * mesh->face_count && task->boundaries; h++)

@@ -60,9 +60,8 @@ bat_status surface_row_sign(surface_row *row, bat_error *error)
 {
     const bat_surface_picture_row *panel = row->panel;
     double most[2] = {0}, at[18], normal[3], from[3];
-    row->signed_distances = memory_array(panel->cloud->count, sizeof *row->signed_distances);
-    if (row->signed_distances == NULL)
-        return error_memory(error, panel->cloud->count * sizeof *row->signed_distances);
+    if (array_make(&row->signed_distances, panel->cloud->count, sizeof *row->signed_distances, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < panel->cloud->count; i++)
     {
         shell_place place = row->places != NULL ? row->places[i] : (shell_place){0};
@@ -105,9 +104,8 @@ bat_status surface_row_inspect(surface_row *row, bool zebra, const double *param
     const bat_mesh *patch = &row->patch;
     double low = INFINITY, high = -INFINITY, sum = 0, at[18];
     size_t count = row->shell != NULL ? 3 * patch->face_count : patch->vertex_count;
-    row->values = memory_array(count, sizeof *row->values);
-    if (row->values == NULL)
-        return error_memory(error, count * sizeof *row->values);
+    if (array_make(&row->values, count, sizeof *row->values, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t v = 0; v < count; v++)
     {
         const double corner[3] = {v % 3 == 0, v % 3 == 1, v % 3 == 2};

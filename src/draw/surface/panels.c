@@ -49,9 +49,8 @@ static double frame_radius(const panel_image *task, size_t count)
 static bat_status place_dots(const panel_image *task, image_dot **dots, bat_error *error)
 {
     const bat_cloud *cloud = task->row->panel->cloud;
-    *dots = memory_array(cloud->count, sizeof **dots);
-    if (*dots == NULL)
-        return error_memory(error, cloud->count * sizeof **dots);
+    if (array_make(dots, cloud->count, sizeof **dots, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < cloud->count; i++)
     {
         double at[3];
@@ -84,9 +83,8 @@ static bat_status find_depths(const panel_image *task, const image_dot *dots, do
                            .columns = (size_t)((double)task->columns / side) + 1,
                            .rows = (size_t)((double)task->rows / side) + 1};
     size_t count = cells->columns * cells->rows;
-    cells->nearest = memory_array(count, sizeof *cells->nearest);
-    if (cells->nearest == NULL)
-        return error_memory(error, count * sizeof *cells->nearest);
+    if (array_make(&cells->nearest, count, sizeof *cells->nearest, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < count; i++)
         cells->nearest[i] = -HUGE_VAL;
     for (size_t i = 0; i < task->row->panel->cloud->count; i++)

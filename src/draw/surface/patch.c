@@ -80,9 +80,8 @@ static bat_status divide_lines(const char *marks, size_t lattice, size_t least, 
             total += steps_between(begin, end, lattice, least, parts);
         }
     } while (total > MAX_STEPS && parts > 1);
-    lines->at = memory_array(total + 1, sizeof *lines->at);
-    if (lines->at == NULL)
-        return error_memory(error, (total + 1) * sizeof *lines->at);
+    if (array_make(&lines->at, total + 1, sizeof *lines->at, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     lines->steps = 0;
     for (size_t begin = 0, end; begin < lattice; begin = end)
     {

@@ -540,9 +540,8 @@ static bat_status set_kinds(csv_reader *reader, bat_error *error)
         columns->other_count += reader->columns[i].kind != CSV_NUMBER ? 1 : 0;
     if (columns->other_count == 0)
         return BAT_OK;
-    columns->kinds = memory_array(reader->column_count, 1);
-    if (columns->kinds == NULL)
-        return error_memory(error, reader->column_count);
+    if (array_make(&columns->kinds, reader->column_count, 1, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < reader->column_count; i++)
         columns->kinds[i] = (unsigned char)reader->columns[i].kind;
     return BAT_OK;

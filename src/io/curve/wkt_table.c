@@ -166,8 +166,7 @@ static bat_status find_numbers(table_reader *reader, bool named)
         if (row == 0)
         {
             reader->count = scan->count;
-            reader->numbers = memory_array(scan->count, 1);
-            status = reader->numbers != NULL ? BAT_OK : error_memory(reader->wkt.error, scan->count);
+            status = array_make(&reader->numbers, scan->count, 1, reader->wkt.error);
             if (status == BAT_OK)
                 memset(reader->numbers, 1, scan->count);
         }
@@ -252,9 +251,8 @@ static bat_status take_names(table_reader *reader)
                 return wkt_fault(&reader->wkt, "two columns have the name '%.*s'", (int)(size < 60 ? size : 60),
                                  names[i].begin);
         }
-    reader->names = memory_array(scan->count, sizeof *names);
-    if (reader->names == NULL)
-        return error_memory(reader->wkt.error, scan->count * sizeof *names);
+    if (array_make(&reader->names, scan->count, sizeof *names, reader->wkt.error) != BAT_OK)
+        return BAT_NO_MEMORY;
     memcpy(reader->names, names, scan->count * sizeof *names);
     if (reader->place >= scan->count)
         return wkt_fault(&reader->wkt, "the first row has no name for the column of geometries");

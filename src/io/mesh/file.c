@@ -385,9 +385,8 @@ static bat_status note_losses(const bat_mesh *mesh, const mesh_format *row, cons
 static bat_status make_normals(const bat_mesh *mesh, const bat_mesh_write_options *options, double **normals,
                                bat_error *error)
 {
-    *normals = memory_array(mesh->vertex_count, 3 * sizeof **normals);
-    if (*normals == NULL)
-        return error_memory(error, mesh->vertex_count * 3 * sizeof **normals);
+    if (array_make(normals, mesh->vertex_count, 3 * sizeof **normals, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bat_mesh_normals weights = options->normals != BAT_MESH_NORMALS_NONE ? options->normals : BAT_MESH_NORMALS_ANGLE;
     bat_status status = bat_mesh_vertex_normals(mesh, weights, *normals, error);
     for (size_t v = 0; v < mesh->vertex_count && options->vertex_normals != NULL && status == BAT_OK; v++)

@@ -94,9 +94,8 @@ static bool shape_is_right(const map_collapse *collapse)
 static bat_status set_collapses(const uint8_t *shapes, bat_mesh_map *map, bat_error *error)
 {
     size_t entries = 0, points = 0, vanished = 0;
-    map->collapses = memory_array(map->collapse_count, sizeof *map->collapses);
-    if (map->collapses == NULL)
-        return error_memory(error, map->collapse_count * sizeof *map->collapses);
+    if (array_make(&map->collapses, map->collapse_count, sizeof *map->collapses, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t c = 0; c < map->collapse_count; c++)
     {
         const uint8_t *shape = shapes + SHAPE * c;

@@ -122,9 +122,8 @@ static bat_status read_boxes(const json_file *file, surface_box **boxes, size_t 
     if (!json_is_array(rows))
         return bad_member(file, "boxes", "is not an array");
     *count = json_array_size(rows);
-    *boxes = memory_array(*count, sizeof **boxes);
-    if (*boxes == NULL)
-        return error_memory(file->error, *count * sizeof **boxes);
+    if (array_make(boxes, *count, sizeof **boxes, file->error) != BAT_OK)
+        return BAT_NO_MEMORY;
     json_scanner scan = before_value(file, "boxes");
     const char *counted = file->text->data;
     size_t line = 1;
@@ -165,10 +164,8 @@ static bat_status read_places(const json_file *file, const bat_hierarchical_spac
     const json_t *rows = json_object_get(file->root, "functions");
     if (rows != NULL && json_array_size(rows) != count)
         return bad_member(file, "functions", "is not an array of as many functions as there are control points");
-    bool *taken = calloc(count, sizeof *taken);
-    if (taken == NULL)
-        return error_memory(file->error, count * sizeof *taken);
-    bat_status status = BAT_OK;
+    bool *taken;
+    bat_status status = array_zeros(&taken, count, sizeof *taken, file->error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         uint64_t numbers[3];

@@ -321,9 +321,8 @@ static void midpoint_mesh_free(midpoint_mesh *mesh)
 
 static bat_status set_points(midpoint_mesh *mesh, bat_error *error)
 {
-    mesh->points = memory_array(mesh->vertex_count, sizeof *mesh->points);
-    if (mesh->points == NULL)
-        return error_memory(error, mesh->vertex_count * sizeof *mesh->points);
+    if (array_make(&mesh->points, mesh->vertex_count, sizeof *mesh->points, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t v = 0; v < mesh->vertex_count; v++)
         mesh->points[v].face = BAT_MESH_NONE;
     for (size_t f = 0; f < mesh->face_count; f++)

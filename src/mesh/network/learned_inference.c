@@ -540,9 +540,8 @@ static bat_status take_states(const mesh_flaps *flaps, bool last, mesh_learned_r
     *state = run->state;
     if (last)
         return BAT_OK;
-    *state = memory_array(rows, W * sizeof **state);
-    if (*state == NULL)
-        return error_memory(error, rows * W * sizeof **state);
+    if (array_make(state, rows, W * sizeof **state, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     memset(*state + count * W, 0, (rows - count) * W * sizeof **state);
     return BAT_OK;
 }

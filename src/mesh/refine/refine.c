@@ -260,9 +260,8 @@ static bat_status find_irregular(refinement *work, bat_error *error)
 static bat_status refine_rows(const refinement *work, mesh_rule *rule, const double *from, size_t dim, size_t fine_count,
                               double **to, bat_error *error)
 {
-    *to = memory_array(fine_count, dim * sizeof **to);
-    if (*to == NULL)
-        return error_memory(error, fine_count * dim * sizeof **to);
+    if (array_make(to, fine_count, dim * sizeof **to, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     mesh_level level = level_of(work);
     mesh_rows rows = {&level, from, *to, dim};
     rule(&rows, work->plan->options.threads);
@@ -324,9 +323,8 @@ static bat_status split_level(const refinement *work, const mesh_scheme *scheme,
     next->sides.quads = scheme->polygons;
     next->mesh.face_count = scheme->polygons ? sides_corners(&now->sides, now->mesh.face_count) : 4 * now->mesh.face_count;
     size_t corners = sides_corners(&next->sides, next->mesh.face_count);
-    next->mesh.faces = memory_array(corners, sizeof *next->mesh.faces);
-    if (next->mesh.faces == NULL)
-        return error_memory(error, corners * sizeof *next->mesh.faces);
+    if (array_make(&next->mesh.faces, corners, sizeof *next->mesh.faces, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     const mesh_sides *polygons = scheme->polygons ? &now->sides : NULL;
     split_faces(polygons, now->mesh.faces, &now->links, threads, next->mesh.faces);
     bat_status status = now->mesh.texture_faces != NULL ? split_texture(work, scheme, last, next, error) : BAT_OK;
@@ -457,9 +455,8 @@ static bat_status find_normals(refinement *work, bat_error *error)
     int threads = work->plan->options.threads;
     bat_mesh view = work->now.mesh;
     view.rules = fine_rules(work->coarse, work->plan);
-    work->normals = memory_array(view.vertex_count, 3 * sizeof *work->normals);
-    if (work->normals == NULL)
-        return error_memory(error, view.vertex_count * 3 * sizeof *work->normals);
+    if (array_make(&work->normals, view.vertex_count, 3 * sizeof *work->normals, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bool quads = mesh_plan_scheme(work->plan, work->plan->options.levels)->polygons;
     return normals_compute(&view, &work->now.sides, quads ? &catmull_clark_normals : &loop_normals, threads, work->normals,
                            error);
@@ -552,9 +549,8 @@ static bat_status carry_labels(refinement *work, const mesh_sides *coarse_sides,
     if (coarse->face_labels != NULL && work->now.sides.quads)
     {
         size_t each = fine->face_count / sides_corners(coarse_sides, coarse->face_count);
-        sources = memory_array(fine->face_count, sizeof *sources);
-        if (sources == NULL)
-            return error_memory(error, fine->face_count * sizeof *sources);
+        if (array_make(&sources, fine->face_count, sizeof *sources, error) != BAT_OK)
+            return BAT_NO_MEMORY;
         for (size_t f = 0; f < fine->face_count; f++)
             sources[f] = sides_face(coarse_sides, (uint32_t)(f / each));
     }

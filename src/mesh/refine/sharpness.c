@@ -80,9 +80,8 @@ static void take_angles(const mesh_level *level, const double *positions, double
 /// Allocate an array of zeros.
 static bat_status make_sharpness(size_t count, double **sharpness, bat_error *error)
 {
-    *sharpness = memory_array(count, sizeof **sharpness);
-    if (*sharpness == NULL)
-        return error_memory(error, count * sizeof **sharpness);
+    if (array_make(sharpness, count, sizeof **sharpness, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     memset(*sharpness, 0, count * sizeof **sharpness);
     return BAT_OK;
 }
@@ -352,16 +351,14 @@ bat_status sharpness_write(const mesh_level *level, bat_mesh *fine, bat_error *e
     size_t corners = level->vertex_sharpness != NULL ? write_corners(level, NULL) : 0;
     if (creases > 0)
     {
-        fine->creases = memory_array(creases, sizeof *fine->creases);
-        if (fine->creases == NULL)
-            return error_memory(error, creases * sizeof *fine->creases);
+        if (array_make(&fine->creases, creases, sizeof *fine->creases, error) != BAT_OK)
+            return BAT_NO_MEMORY;
         fine->crease_count = write_creases(level, fine->creases);
     }
     if (corners > 0)
     {
-        fine->corners = memory_array(corners, sizeof *fine->corners);
-        if (fine->corners == NULL)
-            return error_memory(error, corners * sizeof *fine->corners);
+        if (array_make(&fine->corners, corners, sizeof *fine->corners, error) != BAT_OK)
+            return BAT_NO_MEMORY;
         fine->corner_count = write_corners(level, fine->corners);
     }
     return BAT_OK;

@@ -30,9 +30,8 @@ static bat_status sqrt3_plan_make(const uint32_t *faces, const bat_mesh_connecti
                                   bat_error *error)
 {
     *plan = (sqrt3_plan){.faces = faces, .links = links, .cut = cut};
-    plan->new_vertex = memory_array(links->face_count, sizeof *plan->new_vertex);
-    if (plan->new_vertex == NULL)
-        return error_memory(error, links->face_count * sizeof *plan->new_vertex);
+    if (array_make(&plan->new_vertex, links->face_count, sizeof *plan->new_vertex, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     size_t next = links->vertex_count;
     for (uint32_t f = 0; f < links->face_count; f++)
     {

@@ -235,9 +235,8 @@ static bat_status loop_make(const fit_team *team, const bat_surface_fit_data *da
                             const bat_surface_fit_options *options, fit_loop *loop, bat_error *error)
 {
     *loop = (fit_loop){.options = options, .team = team, .begin = clock_seconds()};
-    loop->rounds = memory_array((size_t)options->iterations + 1, sizeof *loop->rounds);
-    if (loop->rounds == NULL)
-        return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
+    if (array_make(&loop->rounds, (size_t)options->iterations + 1, sizeof *loop->rounds, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
     if (status == BAT_OK && numbers == NULL && data->border && data->boundary_count > 0)
         status = fit_border_make(data, options, &loop->border, error);

@@ -19,9 +19,8 @@ bat_status fit_nets_make(const bat_hierarchical_space *space, const double *cont
     *nets = (fit_nets){.space = space, .dimension = dimension, .stride = stride};
     if (size_multiply_overflows(cells, stride, &numbers))
         return error_memory(error, SIZE_MAX);
-    nets->control = memory_array(numbers, sizeof *nets->control);
-    if (nets->control == NULL)
-        return error_memory(error, numbers * sizeof *nets->control);
+    if (array_make(&nets->control, numbers, sizeof *nets->control, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     // An estimate that assumes as many coarser functions as local ones on every cell.
     double operations = (double)cells * (double)(hierarchical_locals(space) * stride);
 #pragma omp parallel for schedule(static) num_threads(threads_worth(threads, cells, operations))

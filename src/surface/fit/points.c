@@ -414,9 +414,8 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
     if (team_count(points->team) == 1)
         return BAT_OK;
     free(points->spread);
-    points->spread = memory_array(cells, sizeof *points->spread);
-    if (points->spread == NULL)
-        return error_memory(error, cells * sizeof *points->spread);
+    if (array_make(&points->spread, cells, sizeof *points->spread, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t c = 0; c < cells; c++)
         points->spread[c] = first[c + 1] - first[c];
     return team_sum_counts(points->team, points->spread, cells, error);

@@ -218,9 +218,8 @@ bat_status bat_surface_model_parameterize(const bat_surface_model *model, const 
     unit_box box = unit_box_of(cloud->points, cloud->count);
     if (!isfinite(box.size))
         return ERROR_ARGUMENT(error, "the size of the cloud is not finite");
-    boxed.points = memory_array(cloud->count, 3 * sizeof *boxed.points);
-    if (boxed.points == NULL)
-        return error_memory(error, cloud->count * 3 * sizeof *boxed.points);
+    if (array_make(&boxed.points, cloud->count, 3 * sizeof *boxed.points, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < 3 * cloud->count; i++)
         boxed.points[i] = unit_box_in(&box, i, cloud->points[i]);
     memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);

@@ -382,12 +382,10 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, bat_pro
                               bat_error *error)
 {
     isometric_problem problem = {0};
-    bool *used = memory_array(cloud->count, sizeof *used);
-    if (used == NULL)
-        return error_memory(error, cloud->count);
+    bool *used;
     bool of_mesh = cloud->triangle_count > 0 && cloud->count <= MAX_MESH;
-    bat_status status = BAT_OK;
-    if (of_mesh)
+    bat_status status = array_make(&used, cloud->count, sizeof *used, error);
+    if (status == BAT_OK && of_mesh)
         // Where points crowd, an iteration turns triangles over.
         status = problem_make(cloud, parameters, true, progress, used, &problem, error);
     if (status == BAT_OK && of_mesh && !isfinite(energy_of(&problem)))
