@@ -215,16 +215,6 @@ static void draw_sample(cairo_t *cairo, const legend_item *item, double x, doubl
         legend_dot(cairo, x + 0.5 * SAMPLE, y, MARKER_RADIUS, item->line.colour);
 }
 
-static void draw_item(cairo_t *cairo, const legend_item *item, double x, double y, double width)
-{
-    char label[512];
-    draw_sample(cairo, item, x, y);
-    text_use(cairo, TEXT_LEGEND, false);
-    style_use_colour(cairo, COLOUR_FOREGROUND);
-    text_cut(cairo, item->label, 1.001 * (width - SAMPLE - SAMPLE_GAP), label, sizeof label);
-    text_draw_middle(cairo, label, x + SAMPLE + SAMPLE_GAP, y, 0.0);
-}
-
 void legend_draw(cairo_t *cairo, const legend_item *items, size_t count, double x, double y, double width)
 {
     if (count == 0)
@@ -240,7 +230,13 @@ void legend_draw(cairo_t *cairo, const legend_item *items, size_t count, double 
         size_t row = i / columns, column = i % columns;
         double wide = one_row ? item_width(cairo, &items[i], width) : widest;
         left = column == 0 ? x + 0.5 * (width - total) : left;
-        draw_item(cairo, &items[i], left, y + ROW * ((double)row + 0.5), wide);
+        double middle = y + ROW * ((double)row + 0.5);
+        char label[512];
+        draw_sample(cairo, &items[i], left, middle);
+        text_use(cairo, TEXT_LEGEND, false);
+        style_use_colour(cairo, COLOUR_FOREGROUND);
+        text_cut(cairo, items[i].label, 1.001 * (wide - SAMPLE - SAMPLE_GAP), label, sizeof label);
+        text_draw_middle(cairo, label, left + SAMPLE + SAMPLE_GAP, middle, 0.0);
         left += wide + ITEM_GAP;
     }
 }

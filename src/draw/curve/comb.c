@@ -64,18 +64,6 @@ static void set_vector(const comb *segments, const double *before, const double 
         vector[k] = factor * (a[k] + b[k]);
 }
 
-static void set_vectors(comb *segments, double *scratch)
-{
-    size_t n = segments->point_dim;
-    for (size_t i = segments->closed ? 0 : 1; i + (segments->closed ? 0 : 1) < segments->count && segments->count >= 3; i++)
-    {
-        size_t before = i > 0 ? i - 1 : segments->count - 1;
-        size_t after = i + 1 < segments->count ? i + 1 : 0;
-        set_vector(segments, segments->points + before * n, segments->points + i * n, segments->points + after * n, scratch,
-                   segments->vectors + i * n);
-    }
-}
-
 bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error)
 {
     size_t n = curve->space->point_dim;
@@ -89,7 +77,13 @@ bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error)
         return memory_pool_check(&segments->pool, error);
     for (size_t i = 0; i < count; i++)
         memcpy(segments->points + i * n, curve->points + i * stride * n, n * sizeof(double));
-    set_vectors(segments, scratch);
+    for (size_t i = segments->closed ? 0 : 1; i + (segments->closed ? 0 : 1) < segments->count && segments->count >= 3; i++)
+    {
+        size_t before = i > 0 ? i - 1 : segments->count - 1;
+        size_t after = i + 1 < segments->count ? i + 1 : 0;
+        set_vector(segments, segments->points + before * n, segments->points + i * n, segments->points + after * n, scratch,
+                   segments->vectors + i * n);
+    }
     return BAT_OK;
 }
 

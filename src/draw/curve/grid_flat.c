@@ -44,22 +44,6 @@ insets grid_plane_room(const scene_frame *frame)
                     .bottom = *across != '\0' ? 18.0 + SCALE_SPACE : 18.0};
 }
 
-static void plane_lines(cairo_t *cairo, const draw_view *view, const tick_list *across, const tick_list *upwards,
-                        const double box[4])
-{
-    for (size_t i = 0; i < across->count; i++)
-    {
-        cairo_move_to(cairo, view_x(view, across->values[i]), box[1]);
-        cairo_rel_line_to(cairo, 0.0, box[3]);
-    }
-    for (size_t i = 0; i < upwards->count; i++)
-    {
-        cairo_move_to(cairo, box[0], view_y(view, upwards->values[i]));
-        cairo_rel_line_to(cairo, box[2], 0.0);
-    }
-    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-}
-
 /// Draw the numbers below and to the left, with offset and exponent below the right end and above the top.
 static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list *across, const tick_list *upwards,
                          const double box[4])
@@ -97,7 +81,17 @@ void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame,
     tick_list upwards = ticks_linear(low_v, high_v, wanted * (high_v - low_v) / extent);
     ticks_use_scale(&across, scales[0]);
     ticks_use_scale(&upwards, scales[1]);
-    plane_lines(cairo, view, &across, &upwards, box);
+    for (size_t i = 0; i < across.count; i++)
+    {
+        cairo_move_to(cairo, view_x(view, across.values[i]), box[1]);
+        cairo_rel_line_to(cairo, 0.0, box[3]);
+    }
+    for (size_t i = 0; i < upwards.count; i++)
+    {
+        cairo_move_to(cairo, box[0], view_y(view, upwards.values[i]));
+        cairo_rel_line_to(cairo, box[2], 0.0);
+    }
+    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     plane_labels(cairo, view, &across, &upwards, box);
 }
 

@@ -217,18 +217,6 @@ static void draw_all_rings(cairo_t *cairo, const draw_view *view, const scene_pa
             draw_rings(cairo, view, panel->drawn->layers[i].curve, side, scene_is_map(panel));
 }
 
-static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
-    {
-        draw_colour colour = style_palette(scene_colour(panel->drawn, i));
-        if (panel->combs[i].count > 0)
-            status = comb_lines_draw(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
-    }
-    return status;
-}
-
 static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
                              const bat_curve_picture_options *options, view_side side, bat_error *error)
 {
@@ -236,7 +224,12 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
     if (options->control_polygon)
         status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CONTROL, side, error);
     if (status == BAT_OK && options->comb && side == VIEW_FRONT)
-        status = draw_combs(cairo, view, panel, error);
+        for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
+        {
+            draw_colour colour = style_palette(scene_colour(panel->drawn, i));
+            if (panel->combs[i].count > 0)
+                status = comb_lines_draw(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
+        }
     if (status == BAT_OK)
         status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_TRUTH, side, error);
     return status == BAT_OK ? draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CURVE, side, error) : status;
@@ -273,17 +266,6 @@ static bat_status draw_flat(cairo_t *cairo, const scene_panel *panel, const bat_
         double y = view_y(&view, panel->frame.low[1]) + FLAT_MARGIN + 0.6 * GRID_SCALE_HEIGHT;
         grid_scale_bar(cairo, view_x(&view, panel->frame.low[0]), y, extent * view.scale, extent, options->unit);
     }
-    return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
-}
-
-static bat_status draw_disk(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
-                            const double box[4], bat_error *error)
-{
-    draw_view view = make_view(panel, VIEW_POINCARE);
-    insets around = {ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN};
-    fit(&view, box, around, (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
-    grid_disk(cairo, &view, options->grid);
-    grid_disk_circle(cairo, &view);
     return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
 }
 
@@ -356,23 +338,27 @@ static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const ba
     return status == BAT_OK ? draw_map(cairo, panel, options, right, error) : status;
 }
 
-static bat_status draw_tensors(cairo_t *cairo, const scene_panel *panel, const double box[4], bat_error *error)
-{
-    draw_view view = make_view(panel, VIEW_FLAT);
-    insets around = {FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN};
-    view_set_solid(&view);
-    fit(&view, box, around, panel->frame.low, panel->frame.high);
-    return tensor_row_draw(cairo, &view, panel, error);
-}
-
 bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                       const double box[4], bat_error *error)
 {
     if (panel->space == VIEW_SPHERE)
         return draw_sphere(cairo, panel, options, box, error);
     if (panel->space == VIEW_DISK)
-        return draw_disk(cairo, panel, options, box, error);
+    {
+        draw_view view = make_view(panel, VIEW_POINCARE);
+        insets around = {ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN};
+        fit(&view, box, around, (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
+        grid_disk(cairo, &view, options->grid);
+        grid_disk_circle(cairo, &view);
+        return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
+    }
     if (panel->space == VIEW_TENSOR)
-        return draw_tensors(cairo, panel, box, error);
+    {
+        draw_view view = make_view(panel, VIEW_FLAT);
+        insets around = {FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN};
+        view_set_solid(&view);
+        fit(&view, box, around, panel->frame.low, panel->frame.high);
+        return tensor_row_draw(cairo, &view, panel, error);
+    }
     return draw_flat(cairo, panel, options, box, error);
 }

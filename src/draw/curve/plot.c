@@ -53,15 +53,6 @@ static double tick_place(const plot_axis *axis, size_t index)
     return plot_place(axis, plot_number(axis, axis->ticks.values[index]));
 }
 
-static void draw_grid(cairo_t *cairo, const plot_axis *x, const plot_axis *y)
-{
-    for (size_t i = 0; i < x->ticks.count; i++)
-        style_segment(cairo, tick_place(x, i), y->start, tick_place(x, i), y->end);
-    for (size_t i = 0; i < y->ticks.count; i++)
-        style_segment(cairo, x->start, tick_place(y, i), x->end, tick_place(y, i));
-    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-}
-
 static void draw_axes(cairo_t *cairo, const plot_axis *x, const plot_axis *y)
 {
     cairo_move_to(cairo, x->start, y->end);
@@ -105,19 +96,6 @@ static void draw_tick_labels(cairo_t *cairo, const plot_axis *x, const plot_axis
             taken = place;
         }
     }
-}
-
-static void draw_axis_names(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const double box[4])
-{
-    char text[AXIS_TEXT_SIZE];
-    style_use_colour(cairo, COLOUR_FOREGROUND);
-    text_draw_fitted(cairo, axis_text(x, text), TEXT_LEGEND, false, 0.5 * (x->start + x->end), box[1] + box[3] - 4.0,
-                     x->end - x->start);
-    cairo_save(cairo);
-    cairo_translate(cairo, box[0] + TEXT_LEGEND, 0.5 * (y->start + y->end));
-    cairo_rotate(cairo, -ANGLE_TURN / 4.0);
-    text_draw_fitted(cairo, axis_text(y, text), TEXT_LEGEND, false, 0.0, 0.0, y->start - y->end);
-    cairo_restore(cairo);
 }
 
 /// Reduce [*enter, *leave], fractions of a segment, to where from + fraction * step is between low and high.
@@ -206,12 +184,26 @@ void plot_begin(cairo_t *cairo, plot_axes *axes, const double box[4], bool grid)
     x->end = fmax(x->start + 10.0, box[0] + box[2] - RIGHT);
     x->ticks = axis_ticks(x, 52.0);
     if (grid)
-        draw_grid(cairo, x, &axes->y);
+    {
+        for (size_t i = 0; i < x->ticks.count; i++)
+            style_segment(cairo, tick_place(x, i), axes->y.start, tick_place(x, i), axes->y.end);
+        for (size_t i = 0; i < axes->y.ticks.count; i++)
+            style_segment(cairo, x->start, tick_place(&axes->y, i), x->end, tick_place(&axes->y, i));
+        style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
+    }
 }
 
 void plot_end(cairo_t *cairo, const plot_axes *axes, const double box[4])
 {
     draw_axes(cairo, &axes->x, &axes->y);
     draw_tick_labels(cairo, &axes->x, &axes->y);
-    draw_axis_names(cairo, &axes->x, &axes->y, box);
+    char text[AXIS_TEXT_SIZE];
+    style_use_colour(cairo, COLOUR_FOREGROUND);
+    text_draw_fitted(cairo, axis_text(&axes->x, text), TEXT_LEGEND, false, 0.5 * (axes->x.start + axes->x.end),
+                     box[1] + box[3] - 4.0, axes->x.end - axes->x.start);
+    cairo_save(cairo);
+    cairo_translate(cairo, box[0] + TEXT_LEGEND, 0.5 * (axes->y.start + axes->y.end));
+    cairo_rotate(cairo, -ANGLE_TURN / 4.0);
+    text_draw_fitted(cairo, axis_text(&axes->y, text), TEXT_LEGEND, false, 0.0, 0.0, axes->y.start - axes->y.end);
+    cairo_restore(cairo);
 }

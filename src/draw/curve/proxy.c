@@ -172,16 +172,6 @@ static double paths_extent(const bat_curve_picture_panel *panel)
     return diagonal > 0.0 ? diagonal : 1.0;
 }
 
-static bat_status add_path(proxy *made, const bat_curve_picture_layer *layer, int colour, bat_error *error)
-{
-    const bat_curve *curve = layer->curve;
-    bat_curve_picture_layer own = {.role = layer->role, .colour = colour};
-    bat_status status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
-    for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
-        memcpy(made->curves[made->count - 1].points + 3 * i, curve->points + 7 * i, 3 * sizeof(double));
-    return status;
-}
-
 /// Add the body's axes at evenly distributed points, in vermilion, green and blue. Axes of given keyframes are stronger.
 static bat_status add_axes(proxy *made, const bat_curve *curve, double length, bool given, bat_error *error)
 {
@@ -215,7 +205,11 @@ static bat_status add_motions(proxy *made, const bat_curve_picture_panel *panel,
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
-        status = add_path(made, &panel->layers[i], scene_colour(panel, i), error);
+        const bat_curve *curve = panel->layers[i].curve;
+        bat_curve_picture_layer own = {.role = panel->layers[i].role, .colour = scene_colour(panel, i)};
+        status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
+        for (size_t k = 0; k < curve->count && status == BAT_OK; k++)
+            memcpy(made->curves[made->count - 1].points + 3 * k, curve->points + 7 * k, 3 * sizeof(double));
         if (status == BAT_OK && panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE)
             status = add_axes(made, panel->layers[i].curve, length, false, error);
     }

@@ -115,23 +115,18 @@ bool view_place(const draw_view *view, const double *point, double *x, double *y
     return front;
 }
 
-static void trace_flat(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
-{
-    for (size_t i = 0; i < count + (closed ? 1 : 0); i++)
-    {
-        double x, y;
-        view_place(view, points + (i < count ? i : 0) * view->point_dim, &x, &y);
-        (i == 0 ? simplifier_move : simplifier_line)(path, x, y);
-    }
-}
-
 void view_trace(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
                 path_simplifier *path)
 {
     if (view->kind == VIEW_GLOBE)
         view_trace_globe(view, points, count, closed, side, path);
     else if (side == VIEW_FRONT && view->kind == VIEW_FLAT)
-        trace_flat(view, points, count, closed, path);
+        for (size_t i = 0; i < count + (closed ? 1 : 0); i++)
+        {
+            double x, y;
+            view_place(view, points + (i < count ? i : 0) * view->point_dim, &x, &y);
+            (i == 0 ? simplifier_move : simplifier_line)(path, x, y);
+        }
     else if (side == VIEW_FRONT && (view->kind == VIEW_MAP || view->kind == VIEW_LOCAL))
         view_trace_map(view, points, count, closed, path);
     else if (side == VIEW_FRONT)

@@ -380,18 +380,6 @@ static bat_status draw_lines(shading *s, bat_error *error)
     return BAT_OK;
 }
 
-static void shade_all(const shading *s, unsigned char *pixels, size_t stride)
-{
-    int threads = threads_for(s->task->threads, s->task->rows / 16 + 1);
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
-    for (size_t row = 0; row < s->task->rows; row++)
-        for (size_t column = 0; column < s->task->columns; column++)
-        {
-            uint32_t pixel = shade_pixel(s, column, row);
-            memcpy(pixels + row * stride + column * sizeof pixel, &pixel, sizeof pixel);
-        }
-}
-
 bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stride, bat_error *error)
 {
     shading s = {.task = task,
@@ -414,7 +402,16 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
     if (status == BAT_OK && (task->boundaries || task->outline_count > 0))
         status = draw_lines(&s, error);
     if (status == BAT_OK)
-        shade_all(&s, pixels, stride);
+    {
+        int threads = threads_for(s.task->threads, s.task->rows / 16 + 1);
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
+        for (size_t row = 0; row < s.task->rows; row++)
+            for (size_t column = 0; column < s.task->columns; column++)
+            {
+                uint32_t pixel = shade_pixel(&s, column, row);
+                memcpy(pixels + row * stride + column * sizeof pixel, &pixel, sizeof pixel);
+            }
+    }
     memory_pool_free(&s.surface.pool);
     memory_pool_free(&s.raster.pool);
     free(s.light);

@@ -484,7 +484,7 @@ static void draw_ends(cairo_t *cairo, const film *shown, const film_track *track
     }
 }
 
-static placing place_view(const path_view *view, const double box[4])
+bat_status path_draw(const film *shown, const path_view *view, cairo_t *cairo, const double box[4], bat_error *error)
 {
     double width = fmax(box[2] - MARGIN_LEFT - MARGIN_RIGHT, 1), height = fmax(box[3] - MARGIN_TOP - MARGIN_BOTTOM, 1);
     const double *low = view->page_low, *high = view->page_high;
@@ -492,12 +492,6 @@ static placing place_view(const path_view *view, const double box[4])
     at.scale = fmin(width / (high[0] - low[0]), height / (high[1] - low[1]));
     at.x = box[0] + MARGIN_LEFT + 0.5 * width - at.scale * 0.5 * (low[0] + high[0]);
     at.y = box[1] + MARGIN_TOP + 0.5 * height + at.scale * 0.5 * (high[1] + low[1]);
-    return at;
-}
-
-bat_status path_draw(const film *shown, const path_view *view, cairo_t *cairo, const double box[4], bat_error *error)
-{
-    placing at = place_view(view, box);
     box_edge edges[3];
     if (!isfinite(at.scale))
         return error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "the path is too small for a picture");

@@ -288,18 +288,6 @@ static void add_path_items(film_page *page)
         add_item(page, axes[a], (line_style){film_axis_colour(a), 1.6, 0, 0}, LEGEND_NO_MARK);
 }
 
-static void add_items(film_page *page)
-{
-    for (size_t i = 0; i < page->series_count && page->film.kind == FILM_COORDINATES; i++)
-        if (page->series[i].label != NULL)
-            add_item(page, page->series[i].label, style_curve(page->series[i].drawn.colour), LEGEND_NO_MARK);
-    for (size_t i = 0; i < page->panel.layer_count && page->has_scene; i++)
-        if (page->item_count < MAX_ITEMS)
-            legend_add(page->items, &page->item_count, panel_legend_item(&page->scene.panels[0], i, &page->shape));
-    if (page->film.kind == FILM_PATH || page->film.kind == FILM_STRIP)
-        add_path_items(page);
-}
-
 // The page
 
 static double content_height(const void *context, size_t index, double width)
@@ -362,7 +350,16 @@ static bat_status write_page(const char *path, film_page *page, const bat_motion
     if (page->film.kind == FILM_PATH)
         path_view_make(&page->film, &page->view);
     if (options->legend)
-        add_items(page);
+    {
+        for (size_t i = 0; i < page->series_count && page->film.kind == FILM_COORDINATES; i++)
+            if (page->series[i].label != NULL)
+                add_item(page, page->series[i].label, style_curve(page->series[i].drawn.colour), LEGEND_NO_MARK);
+        for (size_t i = 0; i < page->panel.layer_count && page->has_scene; i++)
+            if (page->item_count < MAX_ITEMS)
+                legend_add(page->items, &page->item_count, panel_legend_item(&page->scene.panels[0], i, &page->shape));
+        if (page->film.kind == FILM_PATH || page->film.kind == FILM_STRIP)
+            add_path_items(page);
+    }
     sheet_content content = {.count = page->first_chart + page->chart_count,
                              .columns = 1,
                              .options = &page->page,
@@ -373,18 +370,6 @@ static bat_status write_page(const char *path, film_page *page, const bat_motion
                              .height = content_height,
                              .draw = content_draw};
     return sheet_write(path, &content, error);
-}
-
-static void free_page(film_page *page)
-{
-    if (page->has_scene)
-        scene_free(&page->scene);
-    for (size_t k = 0; k < BAT_MOTION_PICTURE_MOTIONS; k++)
-        free(page->shapes[k]);
-    for (size_t i = 0; i < sizeof page->columns / sizeof *page->columns; i++)
-        free(page->columns[i]);
-    film_free(&page->film);
-    free(page);
 }
 
 /// Draw the splines of keyframes; null: make them.
@@ -408,7 +393,14 @@ static bat_status write_motions(const char *path, const bat_curve_set *keyframes
     status = film_make(keyframes, splines, motion, options, &page->film, error);
     if (status == BAT_OK)
         status = write_page(path, page, options, error);
-    free_page(page);
+    if (page->has_scene)
+        scene_free(&page->scene);
+    for (size_t k = 0; k < BAT_MOTION_PICTURE_MOTIONS; k++)
+        free(page->shapes[k]);
+    for (size_t i = 0; i < sizeof page->columns / sizeof *page->columns; i++)
+        free(page->columns[i]);
+    film_free(&page->film);
+    free(page);
     return status;
 }
 

@@ -150,63 +150,43 @@ static bool row_has(const surface_row *row, surface_panel_kind kind)
     return panel->surface != NULL || (kind != SURFACE_PANEL_PATCH && panel->parameters != NULL);
 }
 
-static void describe_cloud(const bat_cloud *cloud, char *caption)
-{
-    if (cloud->boundary_count > 0)
-        (void)snprintf(caption, SURFACE_CAPTION_SIZE, "%zu points, %zu on the boundary", cloud->count,
-                       cloud->boundary_count);
-    else
-        (void)snprintf(caption, SURFACE_CAPTION_SIZE, "%zu points", cloud->count);
-}
-
-static void describe_surface(const bat_hierarchical_space *space, char *caption, char *cells)
-{
-    bat_hierarchical_options options = bat_hierarchical_space_options(space);
-    size_t levels = bat_hierarchical_space_levels(space);
-    (void)snprintf(caption, SURFACE_CAPTION_SIZE, "bidegree (%d, %d), %zu degrees of freedom", options.degree[0],
-                   options.degree[1], bat_hierarchical_space_functions(space));
-    (void)snprintf(cells, SURFACE_CAPTION_SIZE, levels == 1 ? "%zu cells of %zu level" : "%zu cells of %zu levels",
-                   bat_hierarchical_space_cells(space), levels);
-}
-
-static void describe_errors(const double *distances, size_t count, char *caption)
-{
-    double squares = 0, largest = 0;
-    for (size_t i = 0; i < count; i++)
-    {
-        squares += distances[i] * distances[i];
-        largest = fmax(largest, distances[i]);
-    }
-    (void)snprintf(caption, SURFACE_CAPTION_SIZE, "mean squared error %.3g, largest %.3g", squares / (double)count, largest);
-}
-
 static void describe_row(surface_row *row)
 {
     const bat_surface_picture_row *panel = row->panel;
     if (panel->cloud != NULL)
-        describe_cloud(panel->cloud, row->captions[SURFACE_PANEL_CLOUD]);
+    {
+        char *caption = row->captions[SURFACE_PANEL_CLOUD];
+        if (panel->cloud->boundary_count > 0)
+            (void)snprintf(caption, SURFACE_CAPTION_SIZE, "%zu points, %zu on the boundary", panel->cloud->count,
+                           panel->cloud->boundary_count);
+        else
+            (void)snprintf(caption, SURFACE_CAPTION_SIZE, "%zu points", panel->cloud->count);
+    }
     if (panel->cloud != NULL && row->distances != NULL)
-        describe_errors(row->distances, panel->cloud->count, row->captions[SURFACE_PANEL_ERRORS]);
+    {
+        double squares = 0, largest = 0;
+        for (size_t i = 0; i < panel->cloud->count; i++)
+        {
+            squares += row->distances[i] * row->distances[i];
+            largest = fmax(largest, row->distances[i]);
+        }
+        (void)snprintf(row->captions[SURFACE_PANEL_ERRORS], SURFACE_CAPTION_SIZE, "mean squared error %.3g, largest %.3g",
+                       squares / (double)panel->cloud->count, largest);
+    }
     if (panel->surface != NULL)
-        describe_surface(panel->surface->space, row->captions[SURFACE_PANEL_PATCH], row->captions[SURFACE_PANEL_PLANE]);
+    {
+        bat_hierarchical_options options = bat_hierarchical_space_options(panel->surface->space);
+        size_t levels = bat_hierarchical_space_levels(panel->surface->space);
+        (void)snprintf(row->captions[SURFACE_PANEL_PATCH], SURFACE_CAPTION_SIZE, "bidegree (%d, %d), %zu degrees of freedom",
+                       options.degree[0], options.degree[1], bat_hierarchical_space_functions(panel->surface->space));
+        (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE,
+                       levels == 1 ? "%zu cells of %zu level" : "%zu cells of %zu levels",
+                       bat_hierarchical_space_cells(panel->surface->space), levels);
+    }
     else if (row->shell != NULL)
         (void)snprintf(row->captions[SURFACE_PANEL_PATCH], SURFACE_CAPTION_SIZE, "%zu patches", row->shell->face_count);
     else if (panel->parameters != NULL)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
-}
-
-static void cut_beyond_points(const bat_cloud *cloud, bat_mesh *patch)
-{
-    double low[3], high[3], extent = 0;
-    box_of_points(3, cloud->points, cloud->count, low, high);
-    for (int c = 0; c < 3; c++)
-        extent = fmax(extent, high[c] - low[c]);
-    for (int c = 0; c < 3; c++)
-    {
-        low[c] -= BEYOND_SHARE * extent;
-        high[c] += BEYOND_SHARE * extent;
-    }
-    surface_patch_cut(patch, low, high);
 }
 
 /// Choose the view and the frame of a row: from the cloud if its boundary is known, else from the surface.
@@ -220,7 +200,18 @@ static void choose_view(surface_row *row, size_t loop_count, const bat_surface_p
     bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
     row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
     if (cloud != NULL && row->shell == NULL)
-        cut_beyond_points(cloud, &row->patch);
+    {
+        double low[3], high[3], extent = 0;
+        box_of_points(3, cloud->points, cloud->count, low, high);
+        for (int c = 0; c < 3; c++)
+            extent = fmax(extent, high[c] - low[c]);
+        for (int c = 0; c < 3; c++)
+        {
+            low[c] -= BEYOND_SHARE * extent;
+            high[c] += BEYOND_SHARE * extent;
+        }
+        surface_patch_cut(&row->patch, low, high);
+    }
     row->turned = surface_patch_turn(&row->patch, row->view.rotation[2]);
     mesh_frame of_surface = mesh_frame_of(row->patch.positions, row->patch.faces, 3 * row->patch.face_count, &row->view);
     mesh_frame of_cloud = mesh_frame_of(points.points, NULL, points.count, &row->view);
@@ -364,22 +355,19 @@ static const char *panel_caption(const void *context, size_t index)
     return row_at(scene, index)->captions[kind_at(scene, index)];
 }
 
-static void draw_title(const surface_scene *scene, cairo_t *cairo, const char *title, const double box[4])
-{
-    char cut[256];
-    text_use(cairo, TEXT_TITLE, true);
-    style_use_colour(cairo, COLOUR_FOREGROUND);
-    text_cut(cairo, title, box[2] * (double)scene->columns, cut, sizeof cut);
-    text_draw(cairo, cut, box[0], box[1] + 0.5 * TITLE_ROOM, 0);
-}
-
 static bat_status draw_panel(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
 {
     const surface_scene *scene = context;
     const surface_row *row = row_at(scene, index);
     const double below[4] = {box[0], box[1] + scene->title_room, box[2], box[3] - scene->title_room};
     if (index % scene->columns == 0 && text_given(row->panel->title))
-        draw_title(scene, cairo, row->panel->title, box);
+    {
+        char cut[256];
+        text_use(cairo, TEXT_TITLE, true);
+        style_use_colour(cairo, COLOUR_FOREGROUND);
+        text_cut(cairo, row->panel->title, box[2] * (double)scene->columns, cut, sizeof cut);
+        text_draw(cairo, cut, box[0], box[1] + 0.5 * TITLE_ROOM, 0);
+    }
     if (!row_has(row, kind_at(scene, index)))
         return BAT_OK;
     if (kind_at(scene, index) == SURFACE_PANEL_PLANE)

@@ -89,15 +89,6 @@ static bat_status paint_dots(const void *context, unsigned char *pixels, size_t 
     return BAT_OK;
 }
 
-static bat_status draw_dots(const surface_row *row, cairo_t *cairo, const double square[3], double per_point,
-                            bat_error *error)
-{
-    const double outer[4] = {square[0] - DOT_ROOM, square[1] - DOT_ROOM, square[2] + 2 * DOT_ROOM, square[2] + 2 * DOT_ROOM};
-    pixel_box place = pixel_box_align(cairo, per_point, outer);
-    plane_dots task = {row, place.columns, place.rows, DOT_ROOM * per_point, square[2] * per_point, per_point};
-    return pixel_image_draw(cairo, &place, paint_dots, &task, error);
-}
-
 /// Draw the left and lower sides of all cells; the square's frame adds the others.
 static void draw_cells(const bat_hierarchical_space *space, cairo_t *cairo, const double square[3])
 {
@@ -147,7 +138,13 @@ bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const doub
                               side};
     bat_status status = BAT_OK;
     if (row->panel->cloud != NULL && row->panel->parameters != NULL)
-        status = draw_dots(row, cairo, square, per_point, error);
+    {
+        const double outer[4] = {square[0] - DOT_ROOM, square[1] - DOT_ROOM, square[2] + 2 * DOT_ROOM,
+                                 square[2] + 2 * DOT_ROOM};
+        pixel_box place = pixel_box_align(cairo, per_point, outer);
+        plane_dots task = {row, place.columns, place.rows, DOT_ROOM * per_point, square[2] * per_point, per_point};
+        status = pixel_image_draw(cairo, &place, paint_dots, &task, error);
+    }
     if (row->panel->surface != NULL)
         draw_cells(row->panel->surface->space, cairo, square);
     draw_frame(cairo, square);
