@@ -61,14 +61,6 @@ static size_t support_of(const cascade *task)
     return (size_t)(task->kernel.last - task->kernel.first) + task->snap.count;
 }
 
-static ptrdiff_t chunk_rows(const cascade *task)
-{
-    size_t rows = task->kernel.chunk > 0 ? task->kernel.chunk : CHUNK_NUMBERS / task->kernel.dim;
-    size_t least = CHUNK_SUPPORTS * support_of(task);
-    rows = rows < least ? least : rows;
-    return (ptrdiff_t)(rows + (rows & 1));
-}
-
 static scratch scratch_make(const cascade *task, size_t chunk)
 {
     size_t rows = chunk + 4 * support_of(task) + 16, total = (size_t)(task->result.end - task->result.begin);
@@ -85,14 +77,6 @@ static void scratch_free(scratch *s)
     free(s->rows[0]);
     free(s->rows[1]);
     free(s->kernel);
-}
-
-static void snap_rows(const bat_mask_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
-{
-    memset(fine, 0, rows * dim * sizeof *fine);
-    for (size_t k = 0; k < snap->count; k++)
-        for (size_t i = 0; i < rows * dim; i++)
-            fine[i] += snap->weights[k] * points[i + k * dim];
 }
 
 /// The last level of a large result, piece by piece from the first-level cache past all caches.
@@ -155,8 +139,12 @@ static bat_status run_chunk(const cascade *task, const double *root, index_range
     size_t count = (size_t)(chunk.end - chunk.begin);
     if (task->snap.count > 0)
     {
+        const double *from = points + (chunk.begin + task->snap.first - origin) * (ptrdiff_t)dim;
         double *rows = s->rows[(task->levels + 1) & 1];
-        snap_rows(&task->snap, points + (chunk.begin + task->snap.first - origin) * (ptrdiff_t)dim, count, dim, rows);
+        memset(rows, 0, count * dim * sizeof *rows);
+        for (size_t k = 0; k < task->snap.count; k++)
+            for (size_t i = 0; i < count * dim; i++)
+                rows[i] += task->snap.weights[k] * from[i + k * dim];
         points = rows;
         origin = chunk.begin;
     }
@@ -198,7 +186,10 @@ static void run_numbered(const cascade *task, const double *root, double *fine, 
 bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error)
 {
     ptrdiff_t total = task->result.end - task->result.begin;
-    ptrdiff_t chunk = chunk_rows(task);
+    size_t rows = task->kernel.chunk > 0 ? task->kernel.chunk : CHUNK_NUMBERS / task->kernel.dim;
+    size_t least = CHUNK_SUPPORTS * support_of(task);
+    rows = rows < least ? least : rows;
+    ptrdiff_t chunk = (ptrdiff_t)(rows + (rows & 1));
     chunk = chunk > total ? total + (total & 1) : chunk;
     shared_work work = shared_work_make(total == 0 ? 0 : (size_t)((total + chunk - 1) / chunk), task->progress);
     int threads = threads_for(task->threads, work.total);

@@ -291,15 +291,6 @@ static size_t row_in_piece(const pieces *all, const piece *part, size_t edge)
     return row;
 }
 
-static void decide_threads(pieces *all)
-{
-    const bat_curve_refine_options *options = &all->plan.options;
-    int threads = threads_for(options->threads, SIZE_MAX);
-    bool shared = all->count >= MANY * (size_t)threads;
-    all->team = shared ? threads : 1;
-    all->threads = shared ? 1 : options->threads;
-}
-
 /// Everything but the points. `all` is to be freed in any case.
 static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_options *options, const unsigned char *joints,
                               bat_progress progress, pieces *all, bat_error *error)
@@ -332,7 +323,10 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
         status = cut(all, coarse, error);
     if (status == BAT_OK)
         status = check_scheme(all, error);
-    decide_threads(all);
+    int threads = threads_for(all->plan.options.threads, SIZE_MAX);
+    bool shared = all->count >= MANY * (size_t)threads;
+    all->team = shared ? threads : 1;
+    all->threads = shared ? 1 : all->plan.options.threads;
     if (status == BAT_OK)
         status = for_each(all, all->stops ? choose_levels : plan_piece, NULL, progress, error);
     if (status == BAT_OK)

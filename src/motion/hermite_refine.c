@@ -169,19 +169,6 @@ static void store_rows(const hermite_plan *plan, const double *rows, size_t coun
     }
 }
 
-static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
-{
-    size_t ends[2] = {0, plan->coarse->count - 1}, places[2] = {0, plan->count - 1};
-    bool derivatives = plan->linear != NULL;
-    double factor = derivatives ? ldexp(1, -(int)plan->options->levels) : 1;
-    for (int e = 0; e < 2; e++)
-    {
-        store_rows(plan, plan->rows + ends[e] * plan->dim, 1, places[e], fine);
-        for (size_t c = 0; c < plan->tangent_dim; c++)
-            fine->tangents[places[e] * plan->tangent_dim + c] *= factor;
-    }
-}
-
 static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
 {
     size_t count = (size_t)(plan->task.result.end - plan->task.result.begin);
@@ -194,7 +181,17 @@ static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, b
     if (status == BAT_OK)
         store_rows(plan, made, count, plan->ends_added ? 1 : 0, fine);
     if (status == BAT_OK && plan->ends_added)
-        store_ends(plan, fine);
+    {
+        size_t ends[2] = {0, plan->coarse->count - 1}, places[2] = {0, plan->count - 1};
+        bool derivatives = plan->linear != NULL;
+        double factor = derivatives ? ldexp(1, -(int)plan->options->levels) : 1;
+        for (int e = 0; e < 2; e++)
+        {
+            store_rows(plan, plan->rows + ends[e] * plan->dim, 1, places[e], fine);
+            for (size_t c = 0; c < plan->tangent_dim; c++)
+                fine->tangents[places[e] * plan->tangent_dim + c] *= factor;
+        }
+    }
     if (status == BAT_OK && fine->closed && plan->coarse->times != NULL)
         fine->closing_time = plan->coarse->times[plan->coarse->count - 1] - plan->coarse->times[0] +
                              plan->coarse->closing_time - (fine->times[fine->count - 1] - fine->times[0]);

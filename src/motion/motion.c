@@ -445,10 +445,8 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
         status = make_spline(set, curve, options, &made, &spline, error);
         if (status == BAT_OK)
         {
-            made.tangents = memory_array(made.count, made.space->tangent_dim * sizeof(double));
-            if (made.tangents == NULL)
-                status = error_memory(error, made.count * made.space->tangent_dim * sizeof(double));
-            else
+            status = array_make(&made.tangents, made.count, made.space->tangent_dim * sizeof(double), error);
+            if (status == BAT_OK)
                 memcpy(made.tangents, bat_motion_spline_keys(spline).velocities,
                        made.count * made.space->tangent_dim * sizeof(double));
             bat_motion_spline_free(spline);

@@ -83,16 +83,6 @@ spline_turning spline_turning_of(double x)
     return t;
 }
 
-static void rotation_push(const double *c, const double *w, double *pushed)
-{
-    spline_turning t = spline_turning_of(vector_dot(3, c, c));
-    double once[3], twice[3];
-    vector3_cross(c, w, once);
-    vector3_cross(c, once, twice);
-    for (int i = 0; i < 3; i++)
-        pushed[i] = w[i] - t.a * once[i] + t.b * twice[i];
-}
-
 void spline_rotate(const double *e, const double *v, double *rotated)
 {
     double x = vector_dot(3, e, e), once[3], twice[3];
@@ -101,15 +91,6 @@ void spline_rotate(const double *e, const double *v, double *rotated)
     vector3_cross(e, once, twice);
     for (int i = 0; i < 3; i++)
         rotated[i] = v[i] + (1 - t.b * x) * once[i] + t.a * twice[i];
-}
-
-static void rotation_pull(const spline_turning *t, const double *c, const double *v, double *pulled)
-{
-    double once[3], twice[3];
-    vector3_cross(c, v, once);
-    vector3_cross(c, once, twice);
-    for (int i = 0; i < 3; i++)
-        pulled[i] = v[i] + 0.5 * once[i] + t->inverse * twice[i];
 }
 
 /// Velocity and acceleration: w = c' - a c x c' + b c x (c x c') and its derivative. `velocity` may be null.
@@ -163,18 +144,6 @@ static bending bending_of(double x, double curvature)
         t.g_slope = -(t.s_slope + t.g) / x;
     }
     return t;
-}
-
-static bat_status curved_push(const spline_factor *f, const double *middle, const double *c, const double *q,
-                              const double *w, double *pushed)
-{
-    double turned[DIM];
-    size_t n = f->space.tangent_dim;
-    bending t = bending_of(vector_dot(n, c, c), f->curvature);
-    double along = t.g * vector_dot(n, c, w);
-    for (size_t i = 0; i < n; i++)
-        turned[i] = t.s * w[i] + along * c[i];
-    return f->space.transport(&f->space, middle, q, turned, pushed);
 }
 
 /// The part along c stays; the part across is divided by S.
@@ -410,7 +379,13 @@ bat_status spline_pull(const spline_factor *f, const double *middle, const doubl
     if (f->kind == FACTOR_FLAT)
         memcpy(pulled, vector, f->space.tangent_dim * sizeof *pulled);
     else if (f->kind == FACTOR_ROTATION)
-        rotation_pull(turning, c, vector, pulled);
+    {
+        double once[3], twice[3];
+        vector3_cross(c, vector, once);
+        vector3_cross(c, once, twice);
+        for (int i = 0; i < 3; i++)
+            pulled[i] = vector[i] + 0.5 * once[i] + turning->inverse * twice[i];
+    }
     else
         return f->kind == FACTOR_CURVED ? curved_pull(f, middle, c, q, vector, pulled)
                                         : any_pull(f, middle, c, q, vector, pulled);
@@ -463,7 +438,14 @@ static void rotation_at(const double *record, double share, double *point, doubl
         rotation_rates(&turning, c, first, second, velocity, acceleration);
     }
     else if (velocity != NULL)
-        rotation_push(c, first, velocity);
+    {
+        spline_turning t = spline_turning_of(vector_dot(3, c, c));
+        double once[3], twice[3];
+        vector3_cross(c, first, once);
+        vector3_cross(c, once, twice);
+        for (int i = 0; i < 3; i++)
+            velocity[i] = first[i] - t.a * once[i] + t.b * twice[i];
+    }
 }
 
 static bat_status curve_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
@@ -487,7 +469,14 @@ static bat_status curve_at(const spline_factor *f, const double *record, double 
     if (f->kind == FACTOR_ANY)
         return any_rates(f, record, &jet, point, velocity, acceleration);
     if (velocity != NULL)
-        status = curved_push(f, record, c, point, first, velocity);
+    {
+        double turned[DIM];
+        bending t = bending_of(vector_dot(n, c, c), f->curvature);
+        double along = t.g * vector_dot(n, c, first);
+        for (size_t i = 0; i < n; i++)
+            turned[i] = t.s * first[i] + along * c[i];
+        status = f->space.transport(&f->space, record, point, turned, velocity);
+    }
     return status == BAT_OK && acceleration != NULL ? curved_acceleration(f, record, &jet, point, acceleration) : status;
 }
 

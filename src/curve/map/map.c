@@ -380,14 +380,6 @@ static bat_status cut_line(map_job *job, size_t line, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status cut_chains(map_job *job, bat_error *error)
-{
-    bat_status status = array_zeros(&job->cut, job->line_count, sizeof *job->cut, error);
-    for (size_t i = 0; i < job->line_count && status == BAT_OK; i++)
-        status = cut_line(job, i, error);
-    return status;
-}
-
 /// Give a ring that would touch itself its given points back, where others do not share its edges.
 /// @param uses of each arc
 static void restore_ring(const map_job *job, size_t ring, const size_t *uses)
@@ -428,21 +420,6 @@ static bat_status restore_touching(map_job *job, bat_error *error)
 }
 
 // The whole
-
-static void free_job(map_job *job)
-{
-    for (size_t i = 0; i < job->count && job->corners != NULL; i++)
-        free(job->corners[i]);
-    free(job->corners);
-    curves_free(job->result, job->count);
-    curves_free(job->cut, job->line_count);
-    free(job->touching);
-    line_chains_free(&job->chains);
-    arc_graph_free(&job->graph);
-    snapped_curves_free(&job->simple);
-    snapped_curves_free(&job->snapped);
-    refined_arcs_free(&job->fine);
-}
 
 /// Say which point of which curve failed, when it was a point of an arc.
 static void name_place(const map_job *job, bat_error *error)
@@ -514,7 +491,11 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
         return BAT_NO_MEMORY;
     status = for_each_curve(job, assemble_curve, error);
     if (status == BAT_OK && job->chains.pairs > 0)
-        status = cut_chains(job, error);
+    {
+        status = array_zeros(&job->cut, job->line_count, sizeof *job->cut, error);
+        for (size_t i = 0; i < job->line_count && status == BAT_OK; i++)
+            status = cut_line(job, i, error);
+    }
     job->report.given_crossing += job->touch_count;
     job->report.curves.corners -= job->touch_points;
     return status == BAT_OK && job->touch_count > 0 ? restore_touching(job, error) : status;
@@ -529,14 +510,6 @@ static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options 
            chart_of_space(set->space, options->decimals, &chart);
 }
 
-static bat_status refine_separately(map_job *job, bat_error *error)
-{
-    if (array_zeros(&job->result, job->count, sizeof *job->result, error) != BAT_OK)
-        return BAT_NO_MEMORY;
-    job->refine.report = &job->report.curves;
-    return bat_curves_refine(job->curves, job->count, &job->refine, job->result, error);
-}
-
 bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_refine_options *options,
                                 bat_curve_set *fine, bat_error *error)
 {
@@ -549,7 +522,15 @@ bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map
     job.report.map = is_map(coarse, options);
     if (job.refine.scheme.kind == BAT_CURVE_SCHEME_KIND_AUTO && coarse->count > 0)
         job.refine.scheme = bat_curve_scheme_for(coarse->space, NULL);
-    status = job.report.map && coarse->count > 0 ? refine_map(&job, options, error) : refine_separately(&job, error);
+    if (job.report.map && coarse->count > 0)
+        status = refine_map(&job, options, error);
+    else
+    {
+        job.refine.report = &job.report.curves;
+        status = array_zeros(&job.result, job.count, sizeof *job.result, error);
+        if (status == BAT_OK)
+            status = bat_curves_refine(job.curves, job.count, &job.refine, job.result, error);
+    }
     if (status == BAT_OK)
         status = bat_curve_set_like(coarse, job.cut != NULL ? job.cut : job.result, fine, error);
     if (status == BAT_OK)
@@ -558,6 +539,16 @@ bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map
         if (options->report != NULL)
             *options->report = job.report;
     }
-    free_job(&job);
+    for (size_t i = 0; i < job.count && job.corners != NULL; i++)
+        free(job.corners[i]);
+    free(job.corners);
+    curves_free(job.result, job.count);
+    curves_free(job.cut, job.line_count);
+    free(job.touching);
+    line_chains_free(&job.chains);
+    arc_graph_free(&job.graph);
+    snapped_curves_free(&job.simple);
+    snapped_curves_free(&job.snapped);
+    refined_arcs_free(&job.fine);
     return status;
 }
