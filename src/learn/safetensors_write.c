@@ -95,26 +95,6 @@ static int append_piece(const char *piece, size_t size, void *text)
     return ((text_buffer *)text)->failed ? -1 : 0;
 }
 
-static void append_header(const char *text, size_t length, text_buffer *bytes)
-{
-    size_t padding = (8 - length % 8) % 8;
-    uint64_t stated = length + padding, stored;
-    safetensors_copy(&stored, &stated, 1, sizeof stored);
-    text_append(bytes, (const char *)&stored, sizeof stored);
-    text_append(bytes, text, length);
-    text_append(bytes, SPACES, padding);
-}
-
-static void append_elements(const safetensors_array *array, text_buffer *bytes)
-{
-    size_t size = safetensors_element_size(array->type);
-    char *place = text_reserve(bytes, array->count * size);
-    if (place == NULL)
-        return;
-    safetensors_copy(place, array->values, array->count, size);
-    text_advance(bytes, place + array->count * size);
-}
-
 bat_status safetensors_encode(const safetensors *content, text_buffer *bytes, bat_error *error)
 {
     json_t *header = json_object();
@@ -125,9 +105,22 @@ bat_status safetensors_encode(const safetensors *content, text_buffer *bytes, ba
     json_decref(header);
     if (status == BAT_OK)
     {
-        append_header(text.data, text.size, bytes);
+        size_t padding = (8 - text.size % 8) % 8;
+        uint64_t stated = text.size + padding, stored;
+        safetensors_copy(&stored, &stated, 1, sizeof stored);
+        text_append(bytes, (const char *)&stored, sizeof stored);
+        text_append(bytes, text.data, text.size);
+        text_append(bytes, SPACES, padding);
         for (size_t i = 0; i < content->array_count; i++)
-            append_elements(&content->arrays[i], bytes);
+        {
+            const safetensors_array *array = &content->arrays[i];
+            size_t size = safetensors_element_size(array->type);
+            char *place = text_reserve(bytes, array->count * size);
+            if (place == NULL)
+                break;
+            safetensors_copy(place, array->values, array->count, size);
+            text_advance(bytes, place + array->count * size);
+        }
         if (bytes->failed)
             status = error_memory(error, bytes->size);
     }

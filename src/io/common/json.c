@@ -54,19 +54,6 @@ static void append_object(text_buffer *text, const json_t *object)
     text_append_string(text, *separator == '{' ? "{}" : "}");
 }
 
-static void append_array(text_buffer *text, const json_t *array)
-{
-    size_t count = json_array_size(array);
-    text_append(text, "[", 1);
-    for (size_t i = 0; i < count; i++)
-    {
-        if (i > 0)
-            text_append(text, ",", 1);
-        json_text(text, json_array_get(array, i));
-    }
-    text_append(text, "]", 1);
-}
-
 /// Append a real number with a point or an exponent, so that it is read back as a real number.
 static void append_real(text_buffer *text, double value)
 {
@@ -89,7 +76,17 @@ void json_text(text_buffer *text, const json_t *value)
     if (type == JSON_OBJECT)
         append_object(text, value);
     else if (type == JSON_ARRAY)
-        append_array(text, value);
+    {
+        size_t count = json_array_size(value);
+        text_append(text, "[", 1);
+        for (size_t i = 0; i < count; i++)
+        {
+            if (i > 0)
+                text_append(text, ",", 1);
+            json_text(text, json_array_get(value, i));
+        }
+        text_append(text, "]", 1);
+    }
     else if (type == JSON_STRING)
         json_text_string(text, json_string_value(value), json_string_length(value));
     else if (type == JSON_INTEGER)

@@ -262,20 +262,6 @@ static void begin_piece(const degree_grid *grid, const globe_curve *curve, size_
     globe_lines_add(pieces, cut);
 }
 
-static void cut_open(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
-{
-    for (size_t i = 0; i + 1 < curve->count; i++)
-    {
-        globe_lines_add(pieces, globe_curve_position(curve, i));
-        if (!crosses(grid, curve, i))
-            continue;
-        end_piece(grid, curve, i, pieces);
-        begin_piece(grid, curve, i, pieces);
-    }
-    globe_lines_add(pieces, globe_curve_position(curve, curve->count - 1));
-    globe_lines_end(pieces);
-}
-
 /// Cut a closed curve, starting at its first crossing.
 static void cut_closed(const degree_grid *grid, const globe_curve *curve, size_t start, globe_lines *pieces)
 {
@@ -301,7 +287,18 @@ void globe_curve_cut(const degree_grid *grid, const globe_curve *curve, size_t s
     if (curve->closed)
         cut_closed(grid, curve, start, pieces);
     else
-        cut_open(grid, curve, pieces);
+    {
+        for (size_t i = 0; i + 1 < curve->count; i++)
+        {
+            globe_lines_add(pieces, globe_curve_position(curve, i));
+            if (!crosses(grid, curve, i))
+                continue;
+            end_piece(grid, curve, i, pieces);
+            begin_piece(grid, curve, i, pieces);
+        }
+        globe_lines_add(pieces, globe_curve_position(curve, curve->count - 1));
+        globe_lines_end(pieces);
+    }
 }
 
 // Polygons cut at the antimeridian: rings are cut into chains, whose ends are joined along the antimeridian in pairs.

@@ -444,17 +444,6 @@ static void note_spelling(const column_names *names, named_coordinates *found)
         found->spelled = found->spelled || !is_canonical(names->names[found->columns[i]]);
 }
 
-static named_coordinates as_geographic(const column_names *names, named_coordinates found, name_unit unit)
-{
-    name_parts parts;
-    found.count = 2;
-    found.geographic = true;
-    found.radians = unit == NAME_UNIT_RADIANS;
-    found.altitude = find_spelled(names, ALTITUDES, &parts);
-    note_spelling(names, &found);
-    return found;
-}
-
 named_coordinates names_find_coordinates(const column_names *names, bool planar)
 {
     named_coordinates found = {.altitude = BAT_NO_INDEX};
@@ -465,7 +454,14 @@ named_coordinates names_find_coordinates(const column_names *names, bool planar)
         if (!find_pair(names, PAIRS[i].first, PAIRS[i].second, &found, &unit) || (i == 0 && unit == NAME_UNIT_LENGTH))
             continue;
         if (i == 0 || unit == NAME_UNIT_DEGREES || unit == NAME_UNIT_RADIANS)
-            return as_geographic(names, found, unit);
+        {
+            found.count = 2;
+            found.geographic = true;
+            found.radians = unit == NAME_UNIT_RADIANS;
+            found.altitude = find_spelled(names, ALTITUDES, &parts);
+            note_spelling(names, &found);
+            return found;
+        }
         size_t third = find_spelled(names, THIRDS, &parts), fourth = find_spelled(names, FOURTHS, &parts);
         found.count = 2;
         if (third != BAT_NO_INDEX)

@@ -68,15 +68,6 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     return BAT_OK;
 }
 
-static void find_times(csv_reader *reader)
-{
-    motion_channels channels;
-    csv_columns_channels(reader->attributes->csv, reader->coordinate_count, NULL, &channels);
-    reader->time_channel = channels.time;
-    csv_columns_channels(reader->attributes->csv, reader->coordinate_count, reader->attributes->csv->form, &channels);
-    reader->motion = channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
-}
-
 /// Whether a row is of a corner: 0 or 1 in the column of the corners, which is taken out of the fields.
 static bat_status read_corner(csv_reader *reader, const text_line *line, bool *corner, bat_error *error)
 {
@@ -265,7 +256,11 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     {
         reader->begun = true;
         status = csv_choose(reader, line, error);
-        find_times(reader);
+        motion_channels channels;
+        csv_columns_channels(reader->attributes->csv, reader->coordinate_count, NULL, &channels);
+        reader->time_channel = channels.time;
+        csv_columns_channels(reader->attributes->csv, reader->coordinate_count, reader->attributes->csv->form, &channels);
+        reader->motion = channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
     }
     if (status == BAT_OK)
         status = read_numbers(reader, line, error);

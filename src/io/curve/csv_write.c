@@ -253,15 +253,6 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
     text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
 }
 
-static char *write_angle(char *out, const csv_layout *layout, const double *point, degree_units units, size_t place)
-{
-    if (layout->columns == NULL || !layout->columns->radians)
-        return number_write_fixed(out, place == 0 ? units.longitude : units.latitude, layout->decimals);
-    double angle = place == 0 ? atan2(point[1], point[0]) : atan2(point[2], hypot(point[0], point[1]));
-    int decimals = layout->decimals + RADIAN_DECIMALS;
-    return number_write_fixed(out, llrint(angle * (double)number_power_of_ten(decimals)), decimals);
-}
-
 typedef struct csv_row
 {
     const csv_layout *layout;
@@ -291,7 +282,14 @@ static char *write_number(char *out, const csv_row *row, size_t place)
     if (place >= layout->coordinate_count && row->channels != NULL)
         return number_write(out, row->channels[place - layout->coordinate_count]);
     if (layout->degrees)
-        return write_angle(out, layout, row->point, row->units, place);
+    {
+        if (layout->columns == NULL || !layout->columns->radians)
+            return number_write_fixed(out, place == 0 ? row->units.longitude : row->units.latitude, layout->decimals);
+        double angle =
+            place == 0 ? atan2(row->point[1], row->point[0]) : atan2(row->point[2], hypot(row->point[0], row->point[1]));
+        int decimals = layout->decimals + RADIAN_DECIMALS;
+        return number_write_fixed(out, llrint(angle * (double)number_power_of_ten(decimals)), decimals);
+    }
     return number_write(out, row->numbers[place]);
 }
 

@@ -175,27 +175,6 @@ static void end_lines(gpx_reader *reader)
         document->origins[document->curve_count++] = (stitch_origin){i, 0};
 }
 
-static void begin_waypoint(gpx_reader *reader, const XML_Char **attributes)
-{
-    reader->waypoint_numbers = 2;
-    reader->source->waypoints++;
-    if (read_position(reader, attributes, reader->waypoint))
-        (void)begin_feature(reader);
-}
-
-static void end_waypoint(gpx_reader *reader)
-{
-    geojson_feature *feature = &reader->document.features[reader->document.feature_count - 1];
-    json_t *position = json_array();
-    bool made = position != NULL;
-    for (size_t i = 0; i < reader->waypoint_numbers && made; i++)
-        made = json_array_append_new(position, json_real(reader->waypoint[i])) == 0;
-    json_t *geometry = json_pack("{s:s, s:o}", "type", GEOMETRY_NAMES[GEOMETRY_POINT], "coordinates", position);
-    if (!made || json_object_set_new(feature->tree, "geometry", geometry) != 0)
-        fail_memory(reader);
-    reader->properties = NULL;
-}
-
 /// Keep where the bounds of the file stand, which grow with the curves. They stand before all points.
 static void take_bounds(gpx_reader *reader, text_range tag, const XML_Char **attributes)
 {
@@ -377,16 +356,6 @@ static gpx_role role_of(const gpx_reader *reader, const char *name)
     return parent == ROLE_POINT || parent == ROLE_VALUE ? ROLE_VALUE : ROLE_OTHER;
 }
 
-static void begin_root(gpx_reader *reader, const char *name)
-{
-    const char *local = local_name(name);
-    reader->prefix = (size_t)(local - name);
-    if (strcmp(local, "gpx") != 0 || reader->prefix >= sizeof reader->root)
-        FAIL(reader, BAT_BAD_FILE, "the file is no GPX: its outer element is not <gpx>");
-    else
-        memcpy(reader->root, name, reader->prefix);
-}
-
 static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char **attributes)
 {
     gpx_reader *reader = context;
@@ -398,7 +367,14 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
         return;
     }
     if (reader->depth == 0)
-        begin_root(reader, name);
+    {
+        const char *local = local_name(name);
+        reader->prefix = (size_t)(local - name);
+        if (strcmp(local, "gpx") != 0 || reader->prefix >= sizeof reader->root)
+            FAIL(reader, BAT_BAD_FILE, "the file is no GPX: its outer element is not <gpx>");
+        else
+            memcpy(reader->root, name, reader->prefix);
+    }
     gpx_role role = reader->depth == 0 ? ROLE_ROOT : role_of(reader, name);
     const char *link =
         role == ROLE_OTHER && strcmp(local_name(name), "link") == 0 ? xml_attribute(attributes, "href") : NULL;
@@ -407,7 +383,12 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
     else if (role == ROLE_TRACK || role == ROLE_ROUTE)
         (void)begin_feature(reader);
     else if (role == ROLE_WAYPOINT)
-        begin_waypoint(reader, attributes);
+    {
+        reader->waypoint_numbers = 2;
+        reader->source->waypoints++;
+        if (read_position(reader, attributes, reader->waypoint))
+            (void)begin_feature(reader);
+    }
     if (reader->xml.status != BAT_OK)
         return;
     size_t begin = reader->sink->size;
@@ -506,7 +487,17 @@ static void XMLCALL on_end(void *context, const XML_Char *name)
     else if (element->role == ROLE_OTHER && !element->parent && reader->properties != NULL)
         take_property(reader, name);
     else if (element->role == ROLE_WAYPOINT)
-        end_waypoint(reader);
+    {
+        geojson_feature *feature = &reader->document.features[reader->document.feature_count - 1];
+        json_t *position = json_array();
+        bool made = position != NULL;
+        for (size_t i = 0; i < reader->waypoint_numbers && made; i++)
+            made = json_array_append_new(position, json_real(reader->waypoint[i])) == 0;
+        json_t *geometry = json_pack("{s:s, s:o}", "type", GEOMETRY_NAMES[GEOMETRY_POINT], "coordinates", position);
+        if (!made || json_object_set_new(feature->tree, "geometry", geometry) != 0)
+            fail_memory(reader);
+        reader->properties = NULL;
+    }
     else if (element->role == ROLE_TRACK || element->role == ROLE_ROUTE)
         end_lines(reader);
     reader->depth--;

@@ -219,23 +219,6 @@ static void grow_box(const bat_curve *curve, int decimals, double box[4])
     box[2] = cut ? box[2] : grown[2];
 }
 
-static void append_bounds(gpx_writer *writer, const gpx_source *source)
-{
-    static const char *const names[] = {" minlon=\"", " minlat=\"", " maxlon=\"", " maxlat=\""};
-    const char *tag = source->frame.data + source->bounds.begin, *end = source->frame.data + source->bounds.end;
-    double box[4];
-    memcpy(box, source->box, sizeof box);
-    for (size_t i = 0; i < writer->set->count; i++)
-        grow_box(&writer->set->curves[i], writer->decimals, box);
-    text_append(&writer->text, tag, 1 + gpx_name_size(tag, end));
-    for (size_t i = 0; i < 4; i++)
-    {
-        text_append_real(&writer->text, names[i], box[i]);
-        text_append_string(&writer->text, "\"");
-    }
-    text_append_string(&writer->text, end[-2] == '/' ? "/>" : ">");
-}
-
 /// Write the file that the set is from, with its refined points.
 static bat_status write_again(gpx_writer *writer, const gpx_source *source)
 {
@@ -243,7 +226,21 @@ static bat_status write_again(gpx_writer *writer, const gpx_source *source)
     bat_status status = BAT_OK;
     text_append(&writer->text, source->frame.data, source->bounds.begin);
     if (at > 0)
-        append_bounds(writer, source);
+    {
+        static const char *const names[] = {" minlon=\"", " minlat=\"", " maxlon=\"", " maxlat=\""};
+        const char *tag = source->frame.data + source->bounds.begin, *end = source->frame.data + source->bounds.end;
+        double box[4];
+        memcpy(box, source->box, sizeof box);
+        for (size_t i = 0; i < writer->set->count; i++)
+            grow_box(&writer->set->curves[i], writer->decimals, box);
+        text_append(&writer->text, tag, 1 + gpx_name_size(tag, end));
+        for (size_t i = 0; i < 4; i++)
+        {
+            text_append_real(&writer->text, names[i], box[i]);
+            text_append_string(&writer->text, "\"");
+        }
+        text_append_string(&writer->text, end[-2] == '/' ? "/>" : ">");
+    }
     for (size_t i = 0; i < source->curve_count && status == BAT_OK; i++)
     {
         text_append(&writer->text, source->frame.data + at, source->curves[i].frame - at);

@@ -167,25 +167,20 @@ static bat_status build_curve(const obj_reader *reader, const obj_element *eleme
     return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, (end - element->begin) * sizeof(double));
 }
 
-static bat_status build_curves(const obj_reader *reader, const bat_curve_read_options *options, curve_builder *builder,
-                               bat_error *error)
-{
-    builder->check = true;
-    builder->project = options->project;
-    builder->strict = options->strict;
-    bat_status status = choose_space(reader, options, &builder->space, error);
-    for (size_t i = 0; i < reader->element_count && status == BAT_OK; i++)
-        status = build_curve(reader, &reader->elements[i], options->closed, builder, error);
-    return status;
-}
-
 bat_status obj_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
     obj_reader reader = {0};
     curve_builder builder = {0};
     bat_status status = read_statements(&reader, text, error);
     if (status == BAT_OK)
-        status = build_curves(&reader, options, &builder, error);
+    {
+        builder.check = true;
+        builder.project = options->project;
+        builder.strict = options->strict;
+        status = choose_space(&reader, options, &builder.space, error);
+        for (size_t i = 0; i < reader.element_count && status == BAT_OK; i++)
+            status = build_curve(&reader, &reader.elements[i], options->closed, &builder, error);
+    }
     free(reader.vertices);
     free(reader.indices);
     free(reader.elements);

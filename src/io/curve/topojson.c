@@ -448,18 +448,6 @@ static void append_cut(topology_writer *writer, size_t line)
     text_append_string(&writer->text, "]");
 }
 
-static void append_positions(topology_writer *writer, const bat_curve *arc)
-{
-    const topology_point *points = (const topology_point *)arc->points;
-    for (size_t k = 0; k < arc->count; k++)
-    {
-        for (size_t i = 0; i < (size_t)points[k].count; i++)
-            text_append_real(&writer->text, i > 0 ? "," : k > 0 ? ",[" : "[[", points[k].numbers[i]);
-        text_append_string(&writer->text, "]");
-    }
-    text_append_string(&writer->text, "]");
-}
-
 /// Write the objects with their arcs, and the arcs.
 static bat_status write_topology(topology_writer *writer, text_sink *sink)
 {
@@ -476,7 +464,14 @@ static bat_status write_topology(topology_writer *writer, text_sink *sink)
     for (size_t i = 0; i < writer->graph.arc_count && status == BAT_OK; i++)
     {
         text_append_string(&writer->text, i > 0 ? ",\n" : "\n");
-        append_positions(writer, &writer->graph.arcs[i]);
+        const topology_point *points = (const topology_point *)writer->graph.arcs[i].points;
+        for (size_t k = 0; k < writer->graph.arcs[i].count; k++)
+        {
+            for (size_t n = 0; n < (size_t)points[k].count; n++)
+                text_append_real(&writer->text, n > 0 ? "," : k > 0 ? ",[" : "[[", points[k].numbers[n]);
+            text_append_string(&writer->text, "]");
+        }
+        text_append_string(&writer->text, "]");
     }
     text_append_string(&writer->text, "\n]}\n");
     return status == BAT_OK ? sink_write(sink, &writer->text, writer->error) : status;

@@ -320,17 +320,6 @@ static bat_status plan_colours(gltf_reader *reader, const gltf_instance *instanc
                : mesh_builder_no_memory(&reader->builder, error);
 }
 
-static bat_status read_instance(gltf_reader *reader, const gltf_instance *instance, bat_error *error)
-{
-    json_t *mesh = NULL;
-    const json_t *primitives = NULL;
-    bat_status status = primitives_of(reader, instance->mesh, &mesh, &primitives, error);
-    point_table_free(&reader->builder.points);
-    for (size_t i = 0; i < json_array_size(primitives) && status == BAT_OK; i++)
-        status = read_primitive(reader, instance, mesh, json_array_get(primitives, i), error);
-    return status;
-}
-
 /// Note what was left out or changed.
 static bat_status note_all(const gltf_reader *reader, bat_error *error)
 {
@@ -387,7 +376,14 @@ static bat_status read_scene(gltf_reader *reader, bat_error *error)
     if (status == BAT_OK)
         status = plan_colours(reader, instances, count, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-        status = read_instance(reader, &instances[i], error);
+    {
+        json_t *mesh = NULL;
+        const json_t *primitives = NULL;
+        status = primitives_of(reader, instances[i].mesh, &mesh, &primitives, error);
+        point_table_free(&reader->builder.points);
+        for (size_t k = 0; k < json_array_size(primitives) && status == BAT_OK; k++)
+            status = read_primitive(reader, &instances[i], mesh, json_array_get(primitives, k), error);
+    }
     free(instances);
     if (status == BAT_OK && reader->builder.mesh.face_count == 0 && count == 0)
         status = ERROR_FILE(error, 0, "the scene has no meshes");

@@ -246,23 +246,6 @@ static bat_status choose_angles(pose_translation *work, size_t line, bat_error *
     return BAT_OK;
 }
 
-static void note_table(pose_translation *work, const pose_header *names)
-{
-    if (names->euroc)
-        pose_note(work, "EuRoC poses of the body S in the reference frame R, quaternions w x y z");
-    else if (has_angles(work))
-        pose_note(work, "poses by roll, pitch and yaw in %s, turned about the body's axes in the order %s%s",
-                  work->angle_unit == UNIT_DEGREES ? "degrees" : "radians", work->order,
-                  work->options->euler != NULL ? "" : " (another can be named)");
-    else if (has_orientation(work))
-        pose_note(work, "poses by names of columns: quaternions from the body's frame to the fixed one");
-    if (work->columns[SECONDS] != BAT_NO_INDEX)
-        pose_note(work, "times in seconds and nanoseconds are seconds, with all of their digits");
-    if (names->others > 0)
-        pose_note(work, "left out %zu column%s no part of a pose%s%.40s", names->others,
-                  names->others > 1 ? "s that are" : " that is", names->other[0] != '\0' ? ", as " : "", names->other);
-}
-
 /// Append the quaternion of three angles: turns about the body's axes in the order of the letters.
 static void turn_by_angles(const pose_translation *work, const double angles[3], double *quaternion)
 {
@@ -417,7 +400,19 @@ bat_status pose_translate_table(pose_translation *work, const text_line *head, p
     work->reader = BAT_CURVE_FORMAT_CSV;
     work->format = names->euroc && has_orientation(work) && count_roles(work, X, 3) == 3 ? BAT_CURVE_FORMAT_EUROC
                                                                                          : BAT_CURVE_FORMAT_CSV;
-    note_table(work, names);
+    if (names->euroc)
+        pose_note(work, "EuRoC poses of the body S in the reference frame R, quaternions w x y z");
+    else if (has_angles(work))
+        pose_note(work, "poses by roll, pitch and yaw in %s, turned about the body's axes in the order %s%s",
+                  work->angle_unit == UNIT_DEGREES ? "degrees" : "radians", work->order,
+                  work->options->euler != NULL ? "" : " (another can be named)");
+    else if (has_orientation(work))
+        pose_note(work, "poses by names of columns: quaternions from the body's frame to the fixed one");
+    if (work->columns[SECONDS] != BAT_NO_INDEX)
+        pose_note(work, "times in seconds and nanoseconds are seconds, with all of their digits");
+    if (names->others > 0)
+        pose_note(work, "left out %zu column%s no part of a pose%s%.40s", names->others,
+                  names->others > 1 ? "s that are" : " that is", names->other[0] != '\0' ? ", as " : "", names->other);
     return status;
 }
 

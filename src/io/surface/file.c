@@ -308,9 +308,8 @@ bat_status bat_cloud_parameters_read(const char *path, const bat_cloud *cloud, d
     if (status != BAT_OK)
         return status;
     row_listing listing = {0};
-    double *read = memory_array(cloud->count, 2 * sizeof *read);
-    if (read == NULL)
-        status = error_memory(error, cloud->count * 2 * sizeof *read);
+    double *read;
+    status = array_make(&read, cloud->count, 2 * sizeof *read, error);
     if (status == BAT_OK)
         status = read_rows(&text, &listing, error);
     if (status == BAT_OK)

@@ -326,16 +326,6 @@ static const char *row_end(size_t row, size_t rows)
     return row + 1 < rows ? "],\n" : "]\n";
 }
 
-static void append_head(text_buffer *text, const bat_spline_surface *surface)
-{
-    bat_hierarchical_options options = bat_hierarchical_space_options(surface->space);
-    text_append_format(text,
-                       "{\n\"format\": \"batten surface\",\n\"version\": 1,\n\"degree\": [%d, %d],\n\"spans\": [%zu, %zu],\n"
-                       "\"truncated\": %s,\n\"admissible\": %d,\n\"dimension\": %zu,\n",
-                       options.degree[0], options.degree[1], options.spans[0], options.spans[1],
-                       options.truncated ? "true" : "false", options.admissible, surface->dimension);
-}
-
 static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *space, bat_error *error)
 {
     bat_spline_box *boxes = NULL;
@@ -413,7 +403,12 @@ bat_status surface_json_write(const bat_spline_surface *surface, const bat_surfa
                               text_sink *sink, bat_error *error)
 {
     text_buffer text = {0};
-    append_head(&text, surface);
+    bat_hierarchical_options grid = bat_hierarchical_space_options(surface->space);
+    text_append_format(&text,
+                       "{\n\"format\": \"batten surface\",\n\"version\": 1,\n\"degree\": [%d, %d],\n\"spans\": [%zu, %zu],\n"
+                       "\"truncated\": %s,\n\"admissible\": %d,\n\"dimension\": %zu,\n",
+                       grid.degree[0], grid.degree[1], grid.spans[0], grid.spans[1], grid.truncated ? "true" : "false",
+                       grid.admissible, surface->dimension);
     bat_status status = append_boxes(&text, surface->space, error);
     append_functions(&text, surface->space);
     append_trim(&text, &surface->trim);

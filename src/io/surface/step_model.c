@@ -126,19 +126,6 @@ static void add_side(shell_builder *builder, uint32_t face, uint32_t side)
     }
 }
 
-static void find_edges(shell_builder *builder)
-{
-    surface_shell *shell = builder->shell;
-    shell->face_count = builder->face_count;
-    for (size_t f = 0; f < shell->face_count; f++)
-    {
-        shell->loops[f] = builder->use_count;
-        for (uint32_t side = 0; side < 4; side++)
-            add_side(builder, (uint32_t)f, side);
-    }
-    shell->loops[shell->face_count] = builder->use_count;
-}
-
 bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error)
 {
     static const int MAX_FACES = 1 << 29; // with four vertices each, all numbers fit into 32 bits
@@ -150,7 +137,16 @@ bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shel
     if (status == BAT_OK)
         status = sort_vertices(&builder, error);
     if (status == BAT_OK)
-        find_edges(&builder);
+    {
+        made.face_count = count;
+        for (size_t f = 0; f < count; f++)
+        {
+            made.loops[f] = builder.use_count;
+            for (uint32_t side = 0; side < 4; side++)
+                add_side(&builder, (uint32_t)f, side);
+        }
+        made.loops[count] = builder.use_count;
+    }
     memory_pool_free(&builder.pool);
     if (status == BAT_OK)
         *shell = made;
@@ -166,11 +162,6 @@ void shell_free(surface_shell *shell)
 }
 
 // Geometry
-
-static size_t span_count(const bat_knot_vector *knots)
-{
-    return knots->count - 2 * (size_t)knots->degree - 1;
-}
 
 /// The rectangle of a patch on the grid of the finest level.
 static shell_face face_of(const tensor_surface *patch, const bat_hierarchical_options *options, size_t finest)
@@ -210,7 +201,8 @@ static uint64_t span_width(const step_model *model, const shell_edge *edge, int 
     const uint64_t *low = shell->vertices + 2 * (size_t)shell->edges[loop->edge].from, *high = low;
     for (const shell_use *use = loop; !use->backward; use++)
         high = shell->vertices + 2 * (size_t)shell->edges[use->edge].to;
-    return (high[edge->direction] - low[edge->direction]) / span_count(&patch->knots[edge->direction]);
+    const bat_knot_vector *knots = &patch->knots[edge->direction];
+    return (high[edge->direction] - low[edge->direction]) / (knots->count - 2 * (size_t)knots->degree - 1);
 }
 
 static void copy_side(const tensor_surface *patch, uint32_t side, double *control)
@@ -302,17 +294,6 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status make_curves(step_model *model, bat_error *error)
-{
-    size_t count = model->shell.edge_count;
-    model->knots = memory_pool_zeros(&model->pool, count, sizeof *model->knots);
-    model->control = memory_pool_array(&model->pool, count, sizeof *model->control);
-    bat_status status = memory_pool_check(&model->pool, error);
-    for (size_t e = 0; e < count && status == BAT_OK; e++)
-        status = make_curve(model, e, error);
-    return status;
-}
-
 bat_status step_model_make(const bat_spline_surface *surface, step_model *model, bat_error *error)
 {
     size_t count = 0;
@@ -323,7 +304,14 @@ bat_status step_model_make(const bat_spline_surface *surface, step_model *model,
     made.shell.face_count = count; // the count for step_model_free() after a failure
     status = make_shell(surface, &made, count, error);
     if (status == BAT_OK)
-        status = make_curves(&made, error);
+    {
+        size_t edges = made.shell.edge_count;
+        made.knots = memory_pool_zeros(&made.pool, edges, sizeof *made.knots);
+        made.control = memory_pool_array(&made.pool, edges, sizeof *made.control);
+        status = memory_pool_check(&made.pool, error);
+        for (size_t e = 0; e < edges && status == BAT_OK; e++)
+            status = make_curve(&made, e, error);
+    }
     if (status == BAT_OK)
         status = place_vertices(&made, error);
     if (status == BAT_OK)

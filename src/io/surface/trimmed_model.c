@@ -84,9 +84,8 @@ static bat_status make_surface(const bat_spline_surface *surface, tensor_surface
         status = refine_all(&options, levels, fine, error);
     for (int d = 0; d < 2 && status == BAT_OK; d++)
         status = knot_vector_uniform(options.degree[d], options.spans[d] << (levels - 1), &made->knots[d], error);
-    made->control = memory_array((size_t)functions, surface->dimension * sizeof *made->control);
-    if (status == BAT_OK && made->control == NULL)
-        status = error_memory(error, (size_t)functions * surface->dimension * sizeof *made->control);
+    if (status == BAT_OK)
+        status = array_make(&made->control, (size_t)functions, surface->dimension * sizeof *made->control, error);
     if (status == BAT_OK)
         status =
             hierarchical_space_prolong(surface->space, fine, surface->control, surface->dimension, made->control, error);

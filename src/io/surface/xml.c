@@ -147,25 +147,6 @@ static xml_element begin_knots(xml_state *state, const XML_Char **attributes)
     return XML_OTHER;
 }
 
-static xml_element begin_control(xml_state *state, const XML_Char **attributes)
-{
-    xml_surface *surface = state->surface;
-    if (surface->control.line > 0)
-        FAIL(state, BAT_BAD_FILE, "the surface has coefficients already");
-    else if (whole_attribute(state, attributes, "geoDim", UINT32_MAX, &surface->dimension) && is_plain(state, attributes))
-        return XML_CONTROL;
-    return XML_OTHER;
-}
-
-static xml_element begin_hierarchy(xml_state *state, const XML_Char **attributes)
-{
-    const char *manual = xml_attribute(attributes, "manualLevels");
-    if (manual == NULL || strcmp(manual, "true") != 0)
-        return XML_HIERARCHY;
-    FAIL(state, BAT_UNSUPPORTED, "levels with their own knots are not supported, only levels with halved spans");
-    return XML_OTHER;
-}
-
 /// Classify an element by its name, its type and its parent.
 static xml_element begin_element(xml_state *state, const char *name, const XML_Char **attributes)
 {
@@ -181,9 +162,22 @@ static xml_element begin_element(xml_state *state, const char *name, const XML_C
         return strcmp(name, "Geometry") == 0 ? begin_geometry(state, attributes) : XML_OTHER;
     case XML_GEOMETRY:
         if (strcmp(name, "coefs") == 0)
-            return begin_control(state, attributes);
+        {
+            if (surface->control.line > 0)
+                FAIL(state, BAT_BAD_FILE, "the surface has coefficients already");
+            else if (whole_attribute(state, attributes, "geoDim", UINT32_MAX, &state->surface->dimension) &&
+                     is_plain(state, attributes))
+                return XML_CONTROL;
+            return XML_OTHER;
+        }
         if (basis && surface->hierarchical && type_is(attributes, surface->truncated ? "THBSplineBasis2" : "HBSplineBasis2"))
-            return begin_hierarchy(state, attributes);
+        {
+            const char *manual = xml_attribute(attributes, "manualLevels");
+            if (manual == NULL || strcmp(manual, "true") != 0)
+                return XML_HIERARCHY;
+            FAIL(state, BAT_UNSUPPORTED, "levels with their own knots are not supported, only levels with halved spans");
+            return XML_OTHER;
+        }
         if (basis && !surface->hierarchical && type_is(attributes, "TensorBSplineBasis2"))
             return XML_TENSOR;
         break;
