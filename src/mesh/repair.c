@@ -291,20 +291,6 @@ static bool walk_fan(repair_work *work, uint32_t begin, bool counter_clockwise)
     }
 }
 
-static void find_fans(repair_work *work)
-{
-    uint32_t count = (uint32_t)(3 * work->face_count);
-    memset(work->fan, 0xff, count * sizeof *work->fan);
-    for (uint32_t h = 0; h < count; h++)
-    {
-        if (work->fan[h] != BAT_MESH_NONE)
-            continue;
-        work->fan[h] = h;
-        if (!walk_fan(work, h, true))
-            (void)walk_fan(work, h, false);
-    }
-}
-
 /// Count the fans of every vertex and, in the report, the vertices to be split. Returns the number of all fans.
 static size_t count_fans(const repair_work *work, uint32_t *fans, bat_mesh_repair_report *report)
 {
@@ -358,7 +344,16 @@ static bool repair_split_vertices(repair_work *work, bat_mesh_repair_report *rep
     uint32_t *fans = memory_array(work->mesh->vertex_count, sizeof *fans);
     if (fans == NULL)
         return false;
-    find_fans(work);
+    uint32_t count = (uint32_t)(3 * work->face_count);
+    memset(work->fan, 0xff, count * sizeof *work->fan);
+    for (uint32_t h = 0; h < count; h++)
+    {
+        if (work->fan[h] != BAT_MESH_NONE)
+            continue;
+        work->fan[h] = h;
+        if (!walk_fan(work, h, true))
+            (void)walk_fan(work, h, false);
+    }
     work->vertex_count = count_fans(work, fans, report);
     work->copies = memory_pool_array(&work->pool, work->face_count, 3 * sizeof *work->copies);
     work->origins = memory_pool_array(&work->pool, work->vertex_count, sizeof *work->origins);
@@ -516,22 +511,6 @@ static bool carry_creases(const repair_work *work, bat_mesh *made)
     return true;
 }
 
-static bat_status carry_all(const repair_work *work, bat_mesh *repaired, bat_error *error)
-{
-    bat_mesh made = {0};
-    bat_status status;
-    if (carry_vertices(work, &made) && carry_texture(work, &made) && carry_channels(work, &made) &&
-        carry_corners(work, &made) && carry_creases(work, &made))
-        status = mesh_labels_carry(work->mesh, work->sources, 1, &made, error);
-    else
-        status = error_memory(error, work->face_count * 3 * sizeof *made.faces);
-    if (status == BAT_OK)
-        *repaired = made;
-    else
-        bat_mesh_free(&made);
-    return status;
-}
-
 bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *report, bat_mesh *repaired, bat_error *error)
 {
     bat_mesh_repair_report done = {0};
@@ -548,7 +527,18 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
     if (status == BAT_OK && work.vertex_count >= BAT_MESH_NONE)
         status = ERROR_TOO_LARGE(error, "the repaired mesh has more than %zu vertices", (size_t)BAT_MESH_NONE);
     if (status == BAT_OK)
-        status = carry_all(&work, repaired, error);
+    {
+        bat_mesh made = {0};
+        if (carry_vertices(&work, &made) && carry_texture(&work, &made) && carry_channels(&work, &made) &&
+            carry_corners(&work, &made) && carry_creases(&work, &made))
+            status = mesh_labels_carry(work.mesh, work.sources, 1, &made, error);
+        else
+            status = error_memory(error, work.face_count * 3 * sizeof *made.faces);
+        if (status == BAT_OK)
+            *repaired = made;
+        else
+            bat_mesh_free(&made);
+    }
     if (status == BAT_OK && report != NULL)
         *report = done;
     memory_pool_free(&work.pool);

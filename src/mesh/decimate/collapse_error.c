@@ -23,16 +23,6 @@ static const double DEGENERATE = 1e-7;
 /// equilateral triangles.
 static const double QUALITY_FACTOR = 3.46410161513775458705;
 
-static void add_curve_plane(const uint32_t *ends, const double *face_normal, double weight, error_vertex *vertices)
-{
-    double along[3], upright[3];
-    vector3_subtract(vertices[ends[1]].position, vertices[ends[0]].position, along);
-    vector3_cross(along, face_normal, upright);
-    bool there = vector3_normalize(upright);
-    for (int end = 0; end < 2 && there; end++)
-        quadric_add_plane(&vertices[ends[end]].planes, upright, weight * vector3_dot(along, along));
-}
-
 void error_vertices_set(const collapse_mesh *mesh, double curve_weight, error_vertex *vertices)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++)
@@ -50,8 +40,16 @@ void error_vertices_set(const collapse_mesh *mesh, double curve_weight, error_ve
             uint32_t ends[2] = {corner[c], corner[(c + 1) % 3]};
             quadric_add_plane(&vertices[corner[c]].planes, normal, twice_area / 2);
             if (collapse_edge_is_curve(mesh, mesh->edge[3 * f + c]))
-                add_curve_plane(ends, normal, collapse_edge_is_rim(mesh, mesh->edge[3 * f + c]) ? curve_weight : 1,
-                                vertices);
+            {
+                double along[3], upright[3];
+                vector3_subtract(vertices[ends[1]].position, vertices[ends[0]].position, along);
+                vector3_cross(along, normal, upright);
+                bool there = vector3_normalize(upright);
+                for (int end = 0; end < 2 && there; end++)
+                    quadric_add_plane(&vertices[ends[end]].planes, upright,
+                                      (collapse_edge_is_rim(mesh, mesh->edge[3 * f + c]) ? curve_weight : 1) *
+                                          vector3_dot(along, along));
+            }
         }
     }
 }

@@ -154,18 +154,6 @@ static bat_status texture_at_images(const texture_transfer *all, const double (*
     return status;
 }
 
-static void spread_samples(double (*shares)[3])
-{
-    size_t count = 0;
-    for (int i = 0; i < ROWS; i++)
-        for (int j = 0; i + j < ROWS; j++, count++)
-        {
-            shares[count][0] = (i + 1 / 3.0) / ROWS;
-            shares[count][1] = (j + 1 / 3.0) / ROWS;
-            shares[count][2] = 1 - shares[count][0] - shares[count][1];
-        }
-}
-
 /// The sample that no seam separates from the most other samples.
 static size_t max_connected(const texture_point *samples)
 {
@@ -280,7 +268,14 @@ static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *spli
     bat_status status = texture_at_images(all, corners, coarse_face, 1, MIDDLE, samples, error);
     if (status != BAT_OK || assign_side(all, vertices, &samples[0], NULL, numbers))
         return status;
-    spread_samples(shares);
+    size_t count = 0;
+    for (int i = 0; i < ROWS; i++)
+        for (int j = 0; i + j < ROWS; j++, count++)
+        {
+            shares[count][0] = (i + 1 / 3.0) / ROWS;
+            shares[count][1] = (j + 1 / 3.0) / ROWS;
+            shares[count][2] = 1 - shares[count][0] - shares[count][1];
+        }
     status = texture_at_images(all, corners, coarse_face, SAMPLES, (const double(*)[3])shares, samples, error);
     if (status != BAT_OK)
         return status;

@@ -116,20 +116,6 @@ static void put_in_order(entry *entries, size_t begin, size_t end, size_t part)
 #pragma omp taskwait
 }
 
-static void fill_entries(const bat_mesh *mesh, double scale, entry *entries)
-{
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        const uint32_t *corner = mesh->faces + 3 * f;
-        entries[f].face = (uint32_t)f;
-        const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1],
-                     *c = mesh->positions + 3 * (size_t)corner[2];
-        // Three times the centre; only the order matters.
-        for (int k = 0; k < 3; k++)
-            entries[f].centre[k] = (float)(scale * a[k] + scale * b[k] + scale * c[k]);
-    }
-}
-
 static double per(double squared)
 {
     return squared > DBL_MIN ? 1 / squared : 0;
@@ -263,7 +249,16 @@ static bool choose_places(const bat_mesh *mesh, closest_tree *tree, size_t place
     entry *entries = memory_array(mesh->face_count, sizeof *entries);
     if (entries == NULL)
         return false;
-    fill_entries(mesh, tree->scale, entries);
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        entries[f].face = (uint32_t)f;
+        const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1],
+                     *c = mesh->positions + 3 * (size_t)corner[2];
+        // Three times the centre; only the order matters.
+        for (int k = 0; k < 3; k++)
+            entries[f].centre[k] = (float)(tree->scale * a[k] + tree->scale * b[k] + tree->scale * c[k]);
+    }
     size_t part = WIDTH;
     while (part < places)
         part *= WIDTH;

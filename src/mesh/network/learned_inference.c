@@ -455,18 +455,6 @@ static bat_status pool(const mesh_learned *network, const pass *p, double fairne
     return BAT_OK;
 }
 
-static void set_biases(pass *p, const real context[LEARNED_CONTEXT])
-{
-    for (size_t i = 0; i < 3; i++)
-        for (size_t o = 0; o < W; o++)
-        {
-            real sum = p->layers->context_bias[i][o];
-            for (size_t c = 0; c < LEARNED_CONTEXT; c++)
-                sum += context[c] * p->layers->context[i][o * LEARNED_CONTEXT + c];
-            p->bias[i][o] = sum;
-        }
-}
-
 // All
 
 /// The work on the vertices or edges begin, …, end - 1.
@@ -583,7 +571,14 @@ bat_status mesh_learned_step(const mesh_learned *network, size_t level, const me
     }
     if (status == BAT_OK)
     {
-        set_biases(&p, run->context);
+        for (size_t i = 0; i < 3; i++)
+            for (size_t o = 0; o < W; o++)
+            {
+                real sum = p.layers->context_bias[i][o];
+                for (size_t c = 0; c < LEARNED_CONTEXT; c++)
+                    sum += run->context[c] * p.layers->context[i][o * LEARNED_CONTEXT + c];
+                p.bias[i][o] = sum;
+            }
         if (level == 0)
             run_blocks(&p, update_vertices, vertices, ROWS);
         else

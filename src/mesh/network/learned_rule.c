@@ -137,9 +137,8 @@ static bat_status refine(const bat_mesh_rule *rule, const bat_mesh *coarse, cons
     bat_status status = mesh_levels_make(coarse->faces, connectivity, levels, options->threads, &all, error);
     if (status != BAT_OK)
         return status;
-    double *from = memory_array(all.vertex_count, 3 * sizeof *from);
-    if (from == NULL)
-        status = error_memory(error, all.vertex_count * 3 * sizeof *from);
+    double *from;
+    status = array_make(&from, all.vertex_count, 3 * sizeof *from, error);
     if (status == BAT_OK)
         status = sharp_begin(coarse, connectivity, options->crease_angle, &sharp, error);
     // A power of two: coordinates keep their bits, and a boundary is the same on whichever mesh.
