@@ -62,19 +62,6 @@ static void average_matrix_fill(const sparse_rows *weights, const sparse_rows *t
     }
 }
 
-static bat_status average_matrix_make(const sparse_rows *weights, average_matrix *matrix, bat_error *error)
-{
-    size_t count = weights->row_count;
-    sparse_rows transposed = {0};
-    bat_status status = average_matrix_allocate(count, weights->starts[count] + count, matrix, error);
-    if (status == BAT_OK)
-        status = sparse_rows_transpose(weights, &transposed, error);
-    if (status == BAT_OK)
-        average_matrix_fill(weights, &transposed, matrix);
-    sparse_rows_free(&transposed);
-    return status;
-}
-
 bat_status average_solve(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
 {
     if (weights->row_count == 0)
@@ -82,7 +69,14 @@ bat_status average_solve(const sparse_rows *weights, const double *constant, dou
     average_matrix matrix;
     multifrontal *solver = NULL;
     double pivot = 0;
-    bat_status status = average_matrix_make(weights, &matrix, error);
+    size_t count = weights->row_count;
+    sparse_rows transposed = {0};
+    bat_status status = average_matrix_allocate(count, weights->starts[count] + count, &matrix, error);
+    if (status == BAT_OK)
+        status = sparse_rows_transpose(weights, &transposed, error);
+    if (status == BAT_OK)
+        average_matrix_fill(weights, &transposed, &matrix);
+    sparse_rows_free(&transposed);
     symmetric_pattern pattern = {weights->row_count, matrix.first, matrix.row};
     if (status == BAT_OK)
         status = multifrontal_make(&pattern, false, &solver, error);

@@ -60,18 +60,6 @@ static bat_status record_failure(bat_status status, const bat_error *failure, su
     return BAT_OK;
 }
 
-static bat_status parameterize_learned(const bat_cloud *cloud, const double *boundary,
-                                       const bat_surface_reconstruct_options *options, double *parameters, bat_error *error)
-{
-    bat_surface_model *builtin = NULL;
-    bat_status status = options->model != NULL ? BAT_OK : bat_surface_model_read(NULL, &builtin, error);
-    if (status == BAT_OK)
-        status = bat_surface_model_parameterize(options->model != NULL ? options->model : builtin, cloud, boundary,
-                                                options->fit.threads, parameters, error);
-    bat_surface_model_free(builtin);
-    return status;
-}
-
 static bat_status parameterize_classical(const bat_cloud *cloud, const double *boundary,
                                          const bat_surface_reconstruct_options *options, bat_surface_parameters kind,
                                          double *parameters, bat_error *error)
@@ -97,7 +85,15 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary,
                                double *parameters, bat_error *error)
 {
     if (kind == BAT_SURFACE_PARAMETERS_LEARNED)
-        return parameterize_learned(cloud, boundary, options, parameters, error);
+    {
+        bat_surface_model *builtin = NULL;
+        bat_status status = options->model != NULL ? BAT_OK : bat_surface_model_read(NULL, &builtin, error);
+        if (status == BAT_OK)
+            status = bat_surface_model_parameterize(options->model != NULL ? options->model : builtin, cloud, boundary,
+                                                    options->fit.threads, parameters, error);
+        bat_surface_model_free(builtin);
+        return status;
+    }
     if (kind < BAT_SURFACE_PARAMETERS_GIVEN)
         return parameterize_classical(cloud, boundary, options, kind, parameters, error);
     memcpy(parameters, options->given, 2 * cloud->count * sizeof *parameters);

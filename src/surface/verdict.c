@@ -618,27 +618,21 @@ static const bat_choice DOUBTS[] = {
 };
 const bat_family bat_surface_doubt_family = FAMILY("doubt of a surface", DOUBTS);
 
-static void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
-{
-    if (verdict->fault == BAT_SURFACE_FAULT_NONE)
-        (void)snprintf(text, size, "it agrees with the points");
-    else if (verdict->fault == BAT_SURFACE_FAULT_MISSES_POINTS)
-        (void)snprintf(text, size, "one in a hundred points is farther from it than %.3g", verdict->distance_from_surface);
-    else if (verdict->fault == BAT_SURFACE_FAULT_LEAVES_POINTS)
-        (void)snprintf(text, size, "it is up to %.3g from the points, near %.4g %.4g %.4g, and %.2g %% of it is far",
-                       verdict->farthest, verdict->place[0], verdict->place[1], verdict->place[2], 100 * verdict->far_share);
-    else if (verdict->fault == BAT_SURFACE_FAULT_FOLDS)
-        (void)snprintf(text, size, "%.2g %% of it stands across the points' tangent planes or is turned over",
-                       100 * verdict->cross_share);
-    else
-        (void)snprintf(text, size, "its area is %.2f times that of the points", verdict->area / verdict->cloud_area);
-}
-
 bat_status bat_surface_verdict_check(const bat_surface_verdict *verdict, bat_error *error)
 {
     char text[200];
     if (verdict->fault == BAT_SURFACE_FAULT_NONE)
         return BAT_OK;
-    surface_verdict_text(verdict, text, sizeof text);
+    if (verdict->fault == BAT_SURFACE_FAULT_MISSES_POINTS)
+        (void)snprintf(text, sizeof text, "one in a hundred points is farther from it than %.3g",
+                       verdict->distance_from_surface);
+    else if (verdict->fault == BAT_SURFACE_FAULT_LEAVES_POINTS)
+        (void)snprintf(text, sizeof text, "it is up to %.3g from the points, near %.4g %.4g %.4g, and %.2g %% of it is far",
+                       verdict->farthest, verdict->place[0], verdict->place[1], verdict->place[2], 100 * verdict->far_share);
+    else if (verdict->fault == BAT_SURFACE_FAULT_FOLDS)
+        (void)snprintf(text, sizeof text, "%.2g %% of it stands across the points' tangent planes or is turned over",
+                       100 * verdict->cross_share);
+    else
+        (void)snprintf(text, sizeof text, "its area is %.2f times that of the points", verdict->area / verdict->cloud_area);
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the surface is wrong: %s", text);
 }

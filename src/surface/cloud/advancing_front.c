@@ -604,15 +604,6 @@ static bat_status find_seeds(const front *work, const nearest_tree *tree, front_
     return status;
 }
 
-static void reset(front *work)
-{
-    memset(work->first_out, 0xff, work->count * sizeof *work->first_out);
-    memset(work->used, 0, work->count * sizeof *work->used);
-    key_map_free(&work->uses);
-    work->uses = (key_map){0};
-    work->edge_count = work->queue_count = work->face_count = 0;
-}
-
 /// Let the surface grow from one triangle after another, until it has most of the points.
 static bat_status grow_from_best(front *work, const nearest_tree *tree, bat_progress progress, bat_error *error)
 {
@@ -621,7 +612,11 @@ static bat_status grow_from_best(front *work, const nearest_tree *tree, bat_prog
     bat_status status = find_seeds(work, tree, seeds, &count, error);
     for (size_t k = 0; k < count && k < TRIES && status == BAT_OK && (double)used < MIN_SHARE * (double)work->count; k++)
     {
-        reset(work);
+        memset(work->first_out, 0xff, work->count * sizeof *work->first_out);
+        memset(work->used, 0, work->count * sizeof *work->used);
+        key_map_free(&work->uses);
+        work->uses = (key_map){0};
+        work->edge_count = work->queue_count = work->face_count = 0;
         status = grow(work, seeds[k].triangle, progress, error);
         used = 0;
         for (size_t i = 0; i < work->count; i++)

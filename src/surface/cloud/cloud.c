@@ -180,20 +180,6 @@ static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *wai
     return reached == connectivity->face_count;
 }
 
-static bat_status check_disk(mesh_patch *patch, bat_error *error)
-{
-    const bat_mesh_connectivity *connectivity = &patch->connectivity;
-    uint32_t *waiting = memory_pool_array(&patch->pool, connectivity->face_count, sizeof *waiting);
-    bool *visited = memory_pool_array(&patch->pool, connectivity->face_count, sizeof *visited);
-    bat_status status = memory_pool_check(&patch->pool, error);
-    if (status == BAT_OK && !is_one_part(connectivity, waiting, visited))
-        status = unsupported(error, "has several parts");
-    // Euler's formula for a disk
-    else if (status == BAT_OK && patch->count + connectivity->face_count != connectivity->edge_count + 1)
-        status = unsupported(error, "has handles");
-    return status;
-}
-
 static bat_status make_cloud(mesh_patch *patch, bat_cloud *cloud, bat_error *error)
 {
     const bat_mesh *mesh = patch->mesh;
@@ -237,7 +223,17 @@ bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error
     if (status == BAT_OK)
         status = number_vertices(&patch, error);
     if (status == BAT_OK)
-        status = check_disk(&patch, error);
+    {
+        const bat_mesh_connectivity *connectivity = &patch.connectivity;
+        uint32_t *waiting = memory_pool_array(&patch.pool, connectivity->face_count, sizeof *waiting);
+        bool *visited = memory_pool_array(&patch.pool, connectivity->face_count, sizeof *visited);
+        status = memory_pool_check(&patch.pool, error);
+        if (status == BAT_OK && !is_one_part(connectivity, waiting, visited))
+            status = unsupported(error, "has several parts");
+        // Euler's formula for a disk
+        else if (status == BAT_OK && patch.count + connectivity->face_count != connectivity->edge_count + 1)
+            status = unsupported(error, "has handles");
+    }
     if (status == BAT_OK)
         status = make_cloud(&patch, cloud, error);
     bat_mesh_connectivity_free(&patch.connectivity);

@@ -33,21 +33,6 @@ static void renumber(const bat_cloud *cloud, spatial_order *order, uint32_t *num
     }
 }
 
-static void fill_cloud(const bat_cloud *from, const double *points, const spatial_order *order, const uint32_t *numbers,
-                       bat_cloud *to)
-{
-    to->count = from->count;
-    to->boundary_count = from->boundary_count;
-    to->triangle_count = from->triangle_count;
-    for (size_t i = 0; i < from->count; i++)
-    {
-        memcpy(to->points + 3 * i, points + 3 * (size_t)order->places[i], 3 * sizeof *to->points);
-        to->order[i] = cloud_input_index(from, order->places[i]);
-    }
-    for (size_t k = 0; k < 3 * from->triangle_count; k++)
-        to->triangles[k] = numbers[from->triangles[k]];
-}
-
 bat_status spatial_order_make(const bat_cloud *cloud, spatial_order *order, bat_error *error)
 {
     *order = (spatial_order){.places = memory_array(cloud->count, sizeof *order->places),
@@ -65,7 +50,16 @@ bat_status spatial_order_make(const bat_cloud *cloud, spatial_order *order, bat_
     if (status == BAT_OK)
     {
         renumber(cloud, order, numbers);
-        fill_cloud(cloud, points, order, numbers, &order->cloud);
+        order->cloud.count = cloud->count;
+        order->cloud.boundary_count = cloud->boundary_count;
+        order->cloud.triangle_count = cloud->triangle_count;
+        for (size_t i = 0; i < cloud->count; i++)
+        {
+            memcpy(order->cloud.points + 3 * i, points + 3 * (size_t)order->places[i], 3 * sizeof *order->cloud.points);
+            order->cloud.order[i] = cloud_input_index(cloud, order->places[i]);
+        }
+        for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
+            order->cloud.triangles[k] = numbers[cloud->triangles[k]];
     }
     else
         spatial_order_free(order);

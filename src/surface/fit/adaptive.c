@@ -126,20 +126,6 @@ static void loop_free_fit(fit_loop *loop)
     loop->control = NULL;
 }
 
-static void loop_free(fit_loop *loop)
-{
-    loop_free_fit(loop);
-    fit_points_free(&loop->points);
-    fit_border_free(&loop->border);
-    bat_hierarchical_space_free(loop->space);
-    bat_hierarchical_space_free(loop->best.space);
-    free(loop->best.parameter);
-    free(loop->best.distance);
-    free(loop->held);
-    free(loop->fixed);
-    free(loop->rounds);
-}
-
 static bool can_be_held_out(const fit_points *points, size_t row)
 {
     return points->freedom[row] == FIT_FREE && points->number[row] < points->guides;
@@ -219,16 +205,6 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
     return status;
 }
 
-static bat_status keep_parameters(fit_loop *loop, bat_error *error)
-{
-    size_t size = 2 * loop->points.count * sizeof *loop->fixed;
-    loop->fixed = memory_array(loop->points.count, 2 * sizeof *loop->fixed);
-    if (loop->fixed == NULL)
-        return error_memory(error, size);
-    memcpy(loop->fixed, loop->points.parameter, size);
-    return BAT_OK;
-}
-
 /// @param team    null for one process
 /// @param numbers of a part; null where all points are here
 static bat_status loop_make(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
@@ -248,7 +224,9 @@ static bat_status loop_make(const fit_team *team, const bat_surface_fit_data *da
     if (status == BAT_OK)
         status = fit_border_points(&loop->border, team, data, numbers, options->space.truncated, &loop->points, error);
     if (status == BAT_OK && options->tensor)
-        status = keep_parameters(loop, error);
+        status = array_make(&loop->fixed, loop->points.count, 2 * sizeof *loop->fixed, error);
+    if (status == BAT_OK && options->tensor)
+        memcpy(loop->fixed, loop->points.parameter, 2 * loop->points.count * sizeof *loop->fixed);
     size_t fewest = options->tensor ? POINTS_IN_TENSOR : options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
     if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
@@ -436,38 +414,6 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
     fit_points_locate(&loop->points, loop->space, loop->options->threads);
     loop->control = memory_array(functions * loop->points.dimension, sizeof *loop->control);
     return loop->control == NULL ? error_memory(error, functions * loop->points.dimension * sizeof *loop->control) : BAT_OK;
-}
-
-static bat_status fit_round(fit_loop *loop, bat_error *error)
-{
-    bat_status status = begin_round(loop, error);
-    if (status == BAT_OK)
-        status = fit_control(loop, true, error);
-    if (status == BAT_OK && loop->options->corrections == 0)
-        status = measure_distances(loop, 0, error);
-    for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
-    {
-        if (k > 0)
-            status = fit_control(loop, false, error);
-        if (status == BAT_OK)
-            status = measure_distances(loop, reach_of_round(loop), error);
-    }
-    return status;
-}
-
-static bat_status fit_finally(fit_loop *loop, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    int rounds = loop->options->final_corrections;
-    if (rounds > 0 && loop->options->corrections == 0)
-        status = measure_distances(loop, CORRECTION_REACH, error);
-    for (int k = 0; k < rounds && status == BAT_OK; k++)
-    {
-        status = fit_control(loop, k == 0, error);
-        if (status == BAT_OK)
-            status = measure_distances(loop, CORRECTION_REACH, error);
-    }
-    return status;
 }
 
 static void distance_terms(const void *context, size_t row, double *sums)
@@ -688,7 +634,18 @@ static bat_status run_rounds(fit_loop *loop, bat_error *error)
         return loaded;
     for (bool refined = true; refined;)
     {
-        bat_status status = fit_round(loop, error);
+        bat_status status = begin_round(loop, error);
+        if (status == BAT_OK)
+            status = fit_control(loop, true, error);
+        if (status == BAT_OK && loop->options->corrections == 0)
+            status = measure_distances(loop, 0, error);
+        for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
+        {
+            if (k > 0)
+                status = fit_control(loop, false, error);
+            if (status == BAT_OK)
+                status = measure_distances(loop, reach_of_round(loop), error);
+        }
         if (status != BAT_OK)
             return status;
         bat_surface_fit_round *round = &loop->rounds[loop->count++];
@@ -713,7 +670,17 @@ static bat_status run(fit_loop *loop, bat_error *error)
     if (status == BAT_OK && holds)
         status = fit_all_points(loop, error);
     if (status == BAT_OK)
-        status = fit_finally(loop, error);
+    {
+        int rounds = loop->options->final_corrections;
+        if (rounds > 0 && loop->options->corrections == 0)
+            status = measure_distances(loop, CORRECTION_REACH, error);
+        for (int k = 0; k < rounds && status == BAT_OK; k++)
+        {
+            status = fit_control(loop, k == 0, error);
+            if (status == BAT_OK)
+                status = measure_distances(loop, CORRECTION_REACH, error);
+        }
+    }
     if (status == BAT_OK)
         status = measure_round(loop, &loop->rounds[loop->count - 1], error);
     if (status == BAT_OK)
@@ -776,7 +743,16 @@ bat_status fit_all(const fit_team *team, bat_surface_fit_data *data, const uint3
         status = run(&loop, error);
     if (status == BAT_OK)
         status = store_result(&loop, data, surface, report, error);
-    loop_free(&loop);
+    loop_free_fit(&loop);
+    fit_points_free(&loop.points);
+    fit_border_free(&loop.border);
+    bat_hierarchical_space_free(loop.space);
+    bat_hierarchical_space_free(loop.best.space);
+    free(loop.best.parameter);
+    free(loop.best.distance);
+    free(loop.held);
+    free(loop.fixed);
+    free(loop.rounds);
     return status;
 }
 

@@ -263,16 +263,6 @@ static bool is_near(const fit_nets *nets, const foot_point *foot, double reach)
     return foot->square <= reach * reach * side * side;
 }
 
-static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
-{
-    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * row;
-    foot_limits limits = limits_of(points, row);
-    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
-    foot_measure(nets, position, scratch, &now);
-    descend(nets, position, &limits, correction, scratch, &now);
-    return store_foot(points, row, &now);
-}
-
 /// The free points with the largest distances, if above WRONG_FOOT_RATIO times the mean, in descending order.
 /// @return their number, at most MAX_WRONG_FEET
 static size_t find_wrong_feet(const fit_points *points, double mean, scored *outlying)
@@ -491,7 +481,12 @@ bat_status fit_near_share(const fit_nets *nets, fit_points *points, double reach
 static size_t count_corrected(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch)
 {
     const fit_correction *correction = context;
-    return correct_point(nets, points, row, *correction, scratch);
+    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * row;
+    foot_limits limits = limits_of(points, row);
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
+    foot_measure(nets, position, scratch, &now);
+    descend(nets, position, &limits, *correction, scratch, &now);
+    return store_foot(points, row, &now);
 }
 
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,

@@ -118,16 +118,6 @@ static double stretch_of(const map_sums *sums)
     return ratio_of((const double(*)[2])map);
 }
 
-static void find_by_planes(const fold_finder *finder, const neighbour_list *near, size_t point, const double *parameters,
-                           bool positive, bool *folded, double *stretches)
-{
-    map_sums sums = sum_map(finder, near, point, parameters);
-    double area = determinant((const double(*)[2])sums.ux);
-    folded[point] = !(positive ? area > 0 : area < 0);
-    if (stretches != NULL)
-        stretches[point - finder->order.cloud.boundary_count] = stretch_of(&sums);
-}
-
 /// Orientation of the triangles: 1 if they agree with the boundary, else -1.
 static int triangle_orientation(const bat_cloud *cloud)
 {
@@ -183,7 +173,13 @@ static bat_status fold_finder_find(const fold_finder *finder, const double *para
             bat_status own =
                 neighbours_nearest(&finder->order.tree, cloud->points + 3 * i, finder->oriented.reach[i], &near, NULL);
             if (own == BAT_OK)
-                find_by_planes(finder, &near, i, parameters, positive, folded, stretches);
+            {
+                map_sums sums = sum_map(finder, &near, i, parameters);
+                double area = determinant((const double(*)[2])sums.ux);
+                folded[i] = !(positive ? area > 0 : area < 0);
+                if (stretches != NULL)
+                    stretches[i - finder->order.cloud.boundary_count] = stretch_of(&sums);
+            }
             else
 #pragma omp atomic write
                 status = own;

@@ -49,19 +49,6 @@ bat_status weight_chunk_reserve(weight_chunk *chunk, size_t more, bat_error *err
     return BAT_OK;
 }
 
-static bat_status make_chunk(const weight_source *source, weight_maker *maker, size_t first, size_t end,
-                             weight_scratch *scratch, weight_chunk *chunk, size_t *lengths, bat_error *error)
-{
-    bat_status status = weight_chunk_reserve(chunk, 8 * (end - first), error);
-    for (size_t row = first; row < end && status == BAT_OK; row++)
-    {
-        size_t before = chunk->count;
-        status = maker(source, scratch, source->cloud->boundary_count + row, chunk, error);
-        lengths[row] = chunk->count - before;
-    }
-    return status;
-}
-
 /// Concatenate the chunks. lengths[i] is the length of row i.
 static bat_status join_chunks(const weight_chunk *chunks, size_t chunk_count, size_t *lengths, size_t rows_count,
                               size_t columns_count, sparse_rows *rows, bat_error *error)
@@ -97,7 +84,13 @@ static bat_status make_chunks(const weight_source *source, weight_maker *maker, 
         {
             bat_error own;
             size_t first = c * CHUNK_ROWS, end = first + CHUNK_ROWS < rows_count ? first + CHUNK_ROWS : rows_count;
-            bat_status made = make_chunk(source, maker, first, end, &scratch, &chunks[c], lengths, &own);
+            bat_status made = weight_chunk_reserve(&chunks[c], 8 * (end - first), &own);
+            for (size_t row = first; row < end && made == BAT_OK; row++)
+            {
+                size_t before = chunks[c].count;
+                made = maker(source, &scratch, source->cloud->boundary_count + row, &chunks[c], &own);
+                lengths[row] = chunks[c].count - before;
+            }
             if (made != BAT_OK)
 #pragma omp critical(weights_failure)
                 if (c < failed)

@@ -83,17 +83,6 @@ static bat_status number_levels(bat_hierarchical_space *space, bat_error *error)
     return status;
 }
 
-static void list_level(bat_hierarchical_space *space, uint32_t level)
-{
-    const run_set *cells = &space->level[level].cells, *selected = &space->level[level].selected;
-    for (const grid_run *run = cells->runs; run < run_set_end(cells); run++)
-        for (uint32_t i = run->begin; i < run->end; i++)
-            space->cells[run->number + (i - run->begin)] = (hierarchical_cell){.column = i, .row = run->row, .level = level};
-    for (const grid_run *run = selected->runs; run < run_set_end(selected); run++)
-        for (uint32_t i = run->begin; i < run->end; i++)
-            space->functions[run->number + (i - run->begin)] = (bat_spline_function){level, i, run->row};
-}
-
 /// The rows of all refined cells of a level.
 typedef struct refined_rows
 {
@@ -354,6 +343,16 @@ bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)
     if (space->cells == NULL || space->functions == NULL)
         return error_memory(error, space->cell_count * sizeof *space->cells);
     for (size_t l = 0; l < space->levels; l++)
-        list_level(space, (uint32_t)l);
+    {
+        uint32_t level = (uint32_t)l;
+        const run_set *cells = &space->level[level].cells, *selected = &space->level[level].selected;
+        for (const grid_run *run = cells->runs; run < run_set_end(cells); run++)
+            for (uint32_t i = run->begin; i < run->end; i++)
+                space->cells[run->number + (i - run->begin)] =
+                    (hierarchical_cell){.column = i, .row = run->row, .level = level};
+        for (const grid_run *run = selected->runs; run < run_set_end(selected); run++)
+            for (uint32_t i = run->begin; i < run->end; i++)
+                space->functions[run->number + (i - run->begin)] = (bat_spline_function){level, i, run->row};
+    }
     return hierarchical_extract(space, error);
 }

@@ -795,11 +795,6 @@ static bat_status fit_area(fair_loop *loop, bat_spline_trim *trim, bat_error *er
     }
 }
 
-static bool edges_cross(const double *a, const double *b, const double *c, const double *d)
-{
-    return vector2_turn(a, b, c) * vector2_turn(a, b, d) < 0 && vector2_turn(c, d, a) * vector2_turn(c, d, b) < 0;
-}
-
 /// Whether the polygons of curves cross themselves or each other.
 static bat_status find_crossing(const bat_spline_trim *trim, bool *crosses, bat_error *error)
 {
@@ -811,8 +806,10 @@ static bat_status find_crossing(const bat_spline_trim *trim, bool *crosses, bat_
             for (size_t k = region.row_edges[row]; k < i && !*crosses; k++)
             {
                 uint32_t e = region.edges[i], f = region.edges[k];
-                *crosses = edges_cross(region.points[e], region.points[trim_region_next(&region, e)], region.points[f],
-                                       region.points[trim_region_next(&region, f)]);
+                const double *a = region.points[e], *b = region.points[trim_region_next(&region, e)];
+                const double *c = region.points[f], *d = region.points[trim_region_next(&region, f)];
+                *crosses =
+                    vector2_turn(a, b, c) * vector2_turn(a, b, d) < 0 && vector2_turn(c, d, a) * vector2_turn(c, d, b) < 0;
             }
     if (status == BAT_OK)
         trim_region_free(&region);

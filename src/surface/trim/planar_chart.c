@@ -330,18 +330,6 @@ static double solve_rotations(unrolling *work)
     return largest;
 }
 
-static bat_status unroll(unrolling *work, bat_error *error)
-{
-    double *right = memory_pool_array(&work->pool, work->node_count, sizeof *right), change = INFINITY;
-    bat_status status = memory_pool_check(&work->pool, error);
-    for (int round = 0; round < ROUNDS && change > MIN_TURN && status == BAT_OK; round++)
-    {
-        status = solve_places(work, right, error);
-        change = solve_rotations(work);
-    }
-    return status;
-}
-
 /// The place of a point: the mean of where the nearest nodes' rotations take it, by inverse squared distances.
 static void follow(const unrolling *work, const neighbour_list *near, const double *point, double place[2])
 {
@@ -387,7 +375,15 @@ static bat_status unroll_cloud(const cloud_geometry *geometry, double (*places)[
     if (status == BAT_OK)
         status = make_solver(&work, error);
     if (status == BAT_OK)
-        status = unroll(&work, error);
+    {
+        double *right = memory_pool_array(&work.pool, work.node_count, sizeof *right), change = INFINITY;
+        status = memory_pool_check(&work.pool, error);
+        for (int round = 0; round < ROUNDS && change > MIN_TURN && status == BAT_OK; round++)
+        {
+            status = solve_places(&work, right, error);
+            change = solve_rotations(&work);
+        }
+    }
     if (status == BAT_OK)
         status = place_points(&work, places, error);
     memory_pool_free(&work.pool);

@@ -180,11 +180,6 @@ static uint32_t next_side(uint32_t side)
     return side % 3 == 2 ? side - 2 : side + 1;
 }
 
-static uint32_t side_end(const outline_work *work, uint32_t side)
-{
-    return work->triangles.corners[next_side(side)];
-}
-
 static bat_status connect(outline_work *work, bat_error *error)
 {
     key_map sides = {0};
@@ -193,7 +188,7 @@ static bat_status connect(outline_work *work, bat_error *error)
     memset(work->opposite, 0xff, count * sizeof *work->opposite);
     for (uint32_t s = 0; s < count && status == BAT_OK; s++)
     {
-        uint32_t *first = key_map_at(&sides, key_of_pair(work->triangles.corners[s], side_end(work, s)));
+        uint32_t *first = key_map_at(&sides, key_of_pair(work->triangles.corners[s], work->triangles.corners[next_side(s)]));
         if (first == NULL)
             status = error_memory(error, count * sizeof(uint64_t));
         else if (*first == UINT32_MAX)
