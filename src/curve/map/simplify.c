@@ -269,7 +269,8 @@ bat_status simplified_curves_make(const bat_curve *curves, size_t count, double 
         status = error_memory(error, longest);
     for (size_t a = 0; a < graph.arc_count && status == BAT_OK; a++)
     {
-        status = array_zeros(&keep[a], graph.arcs[a].count, 1, error);
+        keep[a] = calloc(graph.arcs[a].count, 1);
+        status = keep[a] != NULL ? BAT_OK : error_memory(error, graph.arcs[a].count);
     }
     if (status == BAT_OK)
         status = simplify_arcs(&graph, tolerance, chart, threads, keep, error);

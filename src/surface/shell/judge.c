@@ -260,7 +260,8 @@ static bat_status find_sheets(const shell_fit *fit, const nearest_tree *tree, do
     memory_pool pool = {0};
     size_t count = 0, step = fit->count / SHEET_PLACES + 1, places = (fit->count - 1) / step + 1;
     double *heights = memory_pool_array(&pool, fit->count, sizeof *heights),
-           *squares = memory_pool_array(&pool, places, 2 * sizeof *squares), *sorted = squares + places, most = 0;
+           *squares = memory_pool_array(&pool, places, sizeof *squares),
+           *sorted = memory_pool_array(&pool, places, sizeof *sorted), most = 0;
     bat_status status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
         measure_heights(fit, heights);
