@@ -265,7 +265,8 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
     shell : bool, optional
         True: a :class:`Shell`, whose options are `tolerance`, `faces` (about this number), `spans` (of a face, in each
         direction), `crease` (edges of a mesh beyond this angle stay sharp, in radians), `fill_holes`, `force` and `threads`.
-        False: a :class:`Surface`. By default a shell of points or meshes that are closed, unless arguments ask for a patch.
+        False: a :class:`Surface`. By default a patch, trimmed, or a
+        shell, whichever is right first, unless arguments ask for a patch.
     boundary : int
         How many leading points are the boundary, in order around the loop; 0: it is found.
     corners : four indices, optional

@@ -34,6 +34,12 @@ static const double MAX_TURNED = 0.01, MAX_VOLUME = 0.05;
 /// Angle between the normals of neighbouring patches, from which one lies on the other: a right angle.
 static const double MAX_ANGLE = 1.5707963267948966;
 
+/// The distance from which a point is missed.
+static double far_from(double spacing, double noise)
+{
+    return fmax(MAX_SPACINGS * spacing, MAX_NOISE * noise);
+}
+
 /// The normal at a place of side c of a quad.
 static void normal_on_side(const double *bezier, uint32_t half_edge, double t, double normal[3])
 {
@@ -208,7 +214,7 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
     report->rms = sqrt(sum / (double)fit->count);
     report->largest = sqrt(largest);
     report->noise = sqrt(sum / fmax((double)fit->count - fit->trace, 1));
-    double far = fmax(MAX_SPACINGS * report->spacing, MAX_NOISE * report->noise);
+    double far = far_from(report->spacing, report->noise);
     report->missed = 0;
     for (size_t i = 0; i < fit->count; i++)
         report->missed += fit->squared[i] > far * far;
@@ -327,7 +333,7 @@ bat_status shell_find_fault(const shell_fit *fit, const bat_shell_report *report
                             bat_error *error)
 {
     nearest_tree tree = {0};
-    double far = fmax(MAX_SPACINGS * report->spacing, MAX_NOISE * report->noise);
+    double far = far_from(report->spacing, report->noise);
     bat_status status = neighbours_build(fit->points, fit->count, &tree, error);
     *fault = SHELL_SHEETS;
     if (status == BAT_OK)
@@ -344,7 +350,7 @@ bat_status shell_find_fault(const shell_fit *fit, const bat_shell_report *report
 
 bat_status shell_judge(const bat_shell *shell, const bat_shell_report *report, double noise, bat_error *error)
 {
-    double far = fmax(MAX_SPACINGS * report->spacing, MAX_NOISE * noise);
+    double far = far_from(report->spacing, noise);
     size_t samples = 4 * shell->cage.face_count;
     if (report->growth > MAX_GROWTH)
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
