@@ -1,8 +1,10 @@
 /// @file
 /// Pieces and holes of the mesh that connects the points of a shell; see shell.h.
 ///
-/// A vertex is bare where the nearest point is farther than BARE spacings of that point. A part of bare vertices around one
-/// that is farther than HOLE spacings is a hole of the points. A piece with few points beside it is not there at all.
+/// Distances from the nearest point are in its spacings. A piece with few vertices nearer than BARE is not there at all.
+/// Vertices farther than OPEN, joined to one that is farther than HOLE, are a hole of the points; it takes those nearer than
+/// MARGIN to it, too. So the rest is the closing of the points by a ball, little wider (Serra, "Image analysis and
+/// mathematical morphology", 1982), and its boundaries run beside the outermost points.
 
 #include "surface/shell/shell.h"
 
@@ -13,8 +15,11 @@
 
 #define SMOOTHINGS 40 ///< of boundaries
 #define RINGS 8       ///< of vertices that follow
+#define EARS 8        ///< rounds that cut off faces with two sides on a boundary
 
-static const double BARE = 1.3, HOLE = 4.5;
+static const double BARE = 1.3, OPEN = 2, HOLE = 3.5, MARGIN = 1.4;
+/// Distance in spacings from which a part of bare vertices counts as a hole that is closed.
+static const double CLOSED_HOLE = 3;
 /// Least share of covered vertices of a piece, and of all points at it.
 static const double MIN_COVERED = 0.3, MIN_PIECE = 0.01;
 
@@ -129,9 +134,9 @@ static void open_holes(opening *work, double fill, bat_shell_report *report)
     memset(work->piece, 0xff, count * sizeof *work->piece);
     for (uint32_t v = 0; v < count; v++)
     {
-        if (work->piece[v] != UINT32_MAX || work->far[v] < BARE || work->gone[v] || work->links.first[v] == BAT_MESH_NONE)
+        if (work->piece[v] != UINT32_MAX || work->far[v] < OPEN || work->gone[v] || work->links.first[v] == BAT_MESH_NONE)
             continue;
-        size_t members = spread(work, v, BARE, work->piece, v);
+        size_t members = spread(work, v, OPEN, work->piece, v);
         double farthest = 0, low[3], high[3];
         box_clear(3, low, high);
         for (size_t k = 0; k < members; k++)
@@ -139,16 +144,43 @@ static void open_holes(opening *work, double fill, bat_shell_report *report)
             farthest = fmax(farthest, work->far[work->stack[k]]);
             box_include(3, work->mesh->positions + 3 * (size_t)work->stack[k], low, high);
         }
-        if (farthest < HOLE)
-            continue;
-        bool fills = vector3_distance(low, high) <= fill;
-        report->filled += fills;
+        bool fills = farthest < HOLE || vector3_distance(low, high) <= fill;
+        report->filled += fills && farthest > CLOSED_HOLE;
         for (size_t k = 0; k < members && !fills; k++)
             work->gone[work->stack[k]] = true;
     }
 }
 
-/// Keep the faces whose corners all stay.
+/// Take away what is nearer than MARGIN to a hole.
+static bat_status widen_holes(opening *work, const shell_cloud *cloud, bat_error *error)
+{
+    const double *at = work->mesh->positions;
+    size_t vertices = work->mesh->vertex_count, count = 0;
+    double *places = memory_pool_array(&work->pool, vertices, 3 * sizeof *places);
+    nearest_tree tree = {0};
+    neighbour_list near = {0};
+    bat_status status = memory_pool_check(&work->pool, error);
+    for (size_t v = 0; v < vertices && status == BAT_OK; v++)
+        if (work->gone[v] && work->piece[v] != UINT32_MAX)
+            memcpy(places + 3 * count++, at + 3 * v, 3 * sizeof *places);
+    if (status == BAT_OK && count > 0)
+        status = neighbours_build(places, count, &tree, error);
+    for (size_t v = 0; v < vertices && count > 0 && status == BAT_OK; v++)
+    {
+        if (work->gone[v])
+            continue;
+        status = neighbours_nearest(&tree, at + 3 * v, 1, &near, error);
+        double squared = status == BAT_OK ? near.entries[0].squared : 0;
+        if (status == BAT_OK)
+            status = neighbours_nearest(cloud->tree, at + 3 * v, 1, &near, error);
+        work->gone[v] = status == BAT_OK && sqrt(squared) * work->far[v] < MARGIN * sqrt(near.entries[0].squared);
+    }
+    neighbour_list_free(&near);
+    nearest_free(&tree);
+    return status;
+}
+
+/// Keep the faces whose corners all stay, but for ears: smoothed boundaries would flatten those.
 static bat_status keep_rest(opening *work, bat_error *error)
 {
     bat_mesh rest = *work->mesh, repaired;
@@ -157,11 +189,21 @@ static bat_status keep_rest(opening *work, bat_error *error)
     if (faces == NULL)
         return memory_pool_check(&work->pool, error);
     size_t kept = 0;
-    for (size_t f = 0; f < rest.face_count; f++)
+    for (int round = 0; round < EARS; round++)
     {
-        const uint32_t *face = rest.faces + 3 * f;
-        if (!work->gone[face[0]] && !work->gone[face[1]] && !work->gone[face[2]])
+        kept = 0;
+        memset(work->stack, 0, rest.vertex_count * sizeof *work->stack);
+        for (size_t f = 0; f < rest.face_count; f++)
+        {
+            const uint32_t *face = rest.faces + 3 * f;
+            if (work->gone[face[0]] || work->gone[face[1]] || work->gone[face[2]])
+                continue;
             memcpy(faces + 3 * kept++, face, 3 * sizeof *faces);
+            for (int c = 0; c < 3; c++)
+                work->stack[face[c]]++;
+        }
+        for (size_t v = 0; v < rest.vertex_count; v++)
+            work->gone[v] = work->gone[v] || work->stack[v] == 1;
     }
     rest.faces = faces;
     rest.face_count = kept;
@@ -248,7 +290,10 @@ static bat_status open_once(const shell_cloud *cloud, double fill, bat_mesh *mes
             status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                                "the points enclose a hollow: a gap is narrower than their spacing or their noise");
         open_holes(&work, fill, report);
-        status = status == BAT_OK ? keep_rest(&work, error) : status;
+        if (status == BAT_OK)
+            status = widen_holes(&work, cloud, error);
+        if (status == BAT_OK)
+            status = keep_rest(&work, error);
     }
     bat_mesh_connectivity_free(&work.links);
     memory_pool_free(&work.pool);

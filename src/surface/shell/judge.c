@@ -25,8 +25,9 @@ static const double MAX_REACH = 4;
 static const double NOISY = 0.4, MAX_GROWTH = 5.3;
 /// Where a shell runs between two sheets of points, their signed distances have two values: little mean (squared, in the
 /// variance), a kurtosis near 1 (a normal distribution has 3), more variance than elsewhere, and a least size in spacings.
-/// The last is the least share of such places.
-static const double MAX_MEAN = 0.25, MAX_KURTOSIS = 1.6, MIN_SPREAD = 4, MIN_SHEETS = 0.05, MAX_SPLIT = 0.003;
+/// The last are the largest agreement of points beside each other, and the largest share of such places.
+static const double MAX_MEAN = 0.25, MAX_KURTOSIS = 1.6, MIN_SPREAD = 4, MIN_SHEETS = 0.05, MAX_AGREEMENT = 0.5,
+                    MAX_SPLIT = 0.001;
 /// Least distance of missed points in the least of such, and largest one from points that are not missed, in spacings.
 static const double MIN_MISSED = 1.5, MAX_BESIDE = 3;
 /// Share of places with a normal against that of the points, and of the volume.
@@ -258,6 +259,31 @@ static void measure_heights(const shell_fit *fit, double *heights)
     }
 }
 
+/// How much the heights of points agree with those of the points beside them: 1 where they change slowly, as where patches
+/// are too large for a bend, and near 0 where two sheets have a point each beside the other's.
+static double agreement_of(const shell_fit *fit, const neighbour_list *near, const double *heights)
+{
+    double sum = 0, squares = 0;
+    for (size_t j = 0; j < near->count; j++)
+    {
+        uint32_t point = near->entries[j].item, beside = point;
+        double least = INFINITY;
+        for (size_t k = 0; k < near->count; k++)
+        {
+            uint32_t other = near->entries[k].item;
+            double apart = vector3_distance(fit->points + 3 * (size_t)point, fit->points + 3 * (size_t)other),
+                   rise = heights[point] - heights[other], squared = apart * apart - rise * rise;
+            if (other == point || squared >= least)
+                continue;
+            least = squared;
+            beside = other;
+        }
+        sum += heights[point] * heights[beside];
+        squares += heights[point] * heights[point];
+    }
+    return sum / squares;
+}
+
 /// Find a point between two sheets. SIZE_MAX: there are too few.
 static bat_status find_sheets(const shell_fit *fit, const nearest_tree *tree, double spacing, size_t *worst,
                               bat_error *error)
@@ -278,9 +304,9 @@ static bat_status find_sheets(const shell_fit *fit, const nearest_tree *tree, do
         for (size_t j = 0; j < near.count; j++)
             for (int power = 1; power < 5; power++)
                 moments[power] += pow(heights[near.entries[j].item], power) / (double)near.count;
-        bool split = moments[1] * moments[1] < MAX_MEAN * moments[2] &&
-                     moments[4] < MAX_KURTOSIS * moments[2] * moments[2] &&
-                     moments[2] > MIN_SHEETS * MIN_SHEETS * spacing * spacing;
+        bool split =
+            moments[1] * moments[1] < MAX_MEAN * moments[2] && moments[4] < MAX_KURTOSIS * moments[2] * moments[2] &&
+            moments[2] > MIN_SHEETS * MIN_SHEETS * spacing * spacing && agreement_of(fit, &near, heights) < MAX_AGREEMENT;
         sorted[k] = moments[2];
         squares[k] = split ? moments[2] : 0;
     }

@@ -51,7 +51,7 @@ static const double STIFFER = 4, MAX_FOLDED[2] = {0.001, 0.003}, FOLDED_STIFFER 
                     STIFFER_SPACINGS = 0.15;
 /// Share of the way to the middle of the neighbours.
 static const double RELAXATION = 0.7;
-/// Least quality of the triangles of a scaffold with creases: flat parts would get slivers.
+/// Least quality of the triangles of a scaffold with creases or boundaries: flat parts would get slivers.
 static const double MIN_QUALITY = 0.3;
 /// Noise in spacings, from which creases are not looked for, and the least share by which they bring held-out points nearer.
 static const double MAX_CREASE_NOISE = 0.3, MIN_CREASE_GAIN = 0.01;
@@ -287,8 +287,8 @@ static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *e
     return status;
 }
 
-/// Even out the triangles of a closed mesh: move vertices to the middle of their neighbours, along tangent planes.
-/// Decimation leaves clusters of tiny faces otherwise. At a boundary that would change the rim.
+/// Even out the triangles: move vertices to the middle of their neighbours, along tangent planes. Decimation leaves clusters
+/// of tiny faces otherwise. Boundaries stay.
 static bat_status relax(bat_mesh *mesh, bool *closed, bat_error *error)
 {
     bat_mesh_connectivity links;
@@ -296,10 +296,11 @@ static bat_status relax(bat_mesh *mesh, bool *closed, bat_error *error)
     if (status != BAT_OK)
         return status;
     *closed = links.boundary_edge_count == 0;
-    size_t moves = *closed ? RELAXATIONS * mesh->vertex_count : 0;
-    for (size_t k = 0; k < moves; k++)
+    for (size_t k = 0; k < RELAXATIONS * mesh->vertex_count; k++)
     {
         uint32_t first = links.first[k % mesh->vertex_count], h = first;
+        if (first == BAT_MESH_NONE || links.twin[first] == BAT_MESH_NONE)
+            continue;
         double *place = mesh->positions + 3 * (k % mesh->vertex_count), sum[3] = {0}, normal[3] = {0}, count = 0;
         do
         {
@@ -330,7 +331,7 @@ static bat_status coarsen(const shell_work *work, bat_mesh *mesh, bat_error *err
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
     options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = CONNECTED_FACES;
-    options.min_quality = mesh->crease_count > 0 ? MIN_QUALITY : options.min_quality;
+    options.min_quality = mesh->crease_count > 0 || !work->closed ? MIN_QUALITY : options.min_quality;
     options.threads = work->options->threads;
     if (mesh->face_count <= CONNECTED_FACES)
         return BAT_OK;
