@@ -58,6 +58,18 @@ static void folders_without_meshes_are_refused(void **state)
     assert_null(rows);
 }
 
+/// Without a folder, bodies with rims are made.
+static void bodies_need_no_folder(void **state)
+{
+    (void)state;
+    bat_scan_solids_options options = bat_scan_solids_defaults();
+    bat_scan_solids_row *rows = NULL;
+    size_t count = 0;
+    options.progress = (bat_progress){stop_at_once, NULL};
+    check_status(bat_scan_solids(NULL, &options, &rows, &count, NULL), BAT_CANCELLED);
+    assert_null(rows);
+}
+
 static void shells_of_a_ball_are_right(void **state)
 {
     (void)state;
@@ -89,6 +101,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(right_surfaces_are_accepted, enter_folder, leave_folder),
+        cmocka_unit_test(bodies_need_no_folder),
         cmocka_unit_test_setup_teardown(shells_of_a_ball_are_right, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(folders_without_meshes_are_refused, enter_folder, leave_folder),
     };

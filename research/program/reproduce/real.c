@@ -274,8 +274,9 @@ int reproduce_scan_solids(const reproduce_job *job)
     report_table table = report_begin(job->call.json);
     report_head(&table,
                 "Shells of %zu points against the mesh. rms: in standard deviations of the noise, else in %% of the "
-                "diagonal;\nlargest: %% of the diagonal; jumps of normals: degrees; volume: %%; euler: -2 for each "
-                "handle too many.\n\nshape              noise scanner  result       rms largest   jumps: median    "
+                "diagonal;\nlargest: %% of the diagonal; jumps of normals: degrees; volume, of open meshes area: %%; "
+                "euler: -2 for each handle too many.\n\nshape              noise scanner  result       rms largest   jumps: "
+                "median    "
                 "99 %%  largest  volume euler faces cut\n",
                 options.points);
     for (size_t i = 0; i < count; i++)

@@ -102,6 +102,8 @@ static const result RESULTS[] = {
     {"scan-solids", reproduce_scan_solids, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
      "shells of clouds that are sampled from meshes, with noise and as by a scanner: which are right, and their errors",
      "meshes", "-"},
+    {"scan-rims", reproduce_scan_solids, SEED, NULL, NULL,
+     "the same of open bodies with smooth rims, with few and with many points", NULL, "-"},
     {"harm", reproduce_harm, SEED | COUNTS, NULL, NULL,
      "random inputs of many kinds with a known truth: how often a default loses to the simplest rival", NULL, "--clouds 1"},
     {"all", reproduce_all, ALWAYS | MAY_READ | WHOLE_SET, NULL, "curves, meshes, clouds and motion",

@@ -150,15 +150,19 @@ typedef struct bat_scan_solids_row
     bool is_right;                     ///< as bat_scan_solids() has it
     int64_t euler;                     ///< Euler's number of the shell minus that of the mesh: -2 for each handle too many
     double rms, largest;               ///< distances between shell and mesh, the greater of both ways
-    double volume;                     ///< relative error; NaN for open meshes
-    bat_shell_report report;           ///< of the shell, in the mesh's unit
-    size_t faces;                      ///< of the shell
+    double volume;           ///< relative error, of open meshes that of the area; NaN for shells that are open wrongly
+    bat_shell_report report; ///< of the shell, in the mesh's unit
+    size_t faces;            ///< of the shell
 } bat_scan_solids_row;
 
 /// Sample each mesh of a folder without noise and with noise of 0.001 and 0.005 of its diagonal, and fit shells. Every third
 /// cloud is as from a scanner. A shell is right if it is closed where the mesh is, has its Euler's number and, to 2 %, its
 /// volume. It may be farther from it by 0.02 and four standard deviations of the noise at most.
-/// @param folder with meshes in OBJ, OFF or PLY; those of several pieces, or that begin with "coarse-", are left out
+///
+/// Without a folder, bodies with rims are sampled (pipe, elbow, bowl, band, cone, pipe that is cut obliquely), each with
+/// 2000 points, too. Their areas must be right to 3 %, and two spacings count instead of 0.02 where they are more.
+/// @param folder with meshes in OBJ, OFF or PLY; those of several pieces, or that begin with "coarse-", are left out; or
+/// null
 /// @param rows   receives the rows, in the order of the files' names; release it with free()
 /// @return as bat_scan_verdict(); BAT_UNSUPPORTED where no mesh is of one piece; the failures of bat_mesh_study_read()
 BAT_API bat_status bat_scan_solids(const char *folder, const bat_scan_solids_options *options, bat_scan_solids_row **rows,
