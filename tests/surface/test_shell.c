@@ -356,7 +356,7 @@ static void normals_lead_into_narrow_gaps(void **state)
         check_status(neighbours_nearest(&tree, points.points + 3 * i, SHELL_SPACING_POINTS, &near, NULL), BAT_OK);
         areas[i] = shell_spacing(&near) * shell_spacing(&near);
     }
-    const shell_cloud all = {points.points, points.count, &tree, sqrt(areas[1500]), 0, 0, areas};
+    const shell_cloud all = {points.points, points.count, &tree, sqrt(areas[1500]), 0, 1, 0, areas};
     check_status(shell_orient(&all, &planes, &pool, &outside, NULL), BAT_OK);
     for (size_t i = 0; i < points.count; i++)
         wrong += vector3_dot(normals + 3 * i, planes.planes[i].axes[2]) < 0;
@@ -385,7 +385,7 @@ static void hollows_are_refused(void **state)
         bat_mesh ball, both = {0};
         bat_shell_report report = {0};
         nearest_tree trees[2];
-        shell_cloud balls[2] = {{.points = outer.points, .count = outer.count, .tree = &trees[0]},
+        shell_cloud balls[2] = {{.points = outer.points, .count = outer.count, .tree = &trees[0], .share = 1},
                                 {.points = made.points, .count = made.count, .tree = &trees[1]}};
         // Fewer points of the inner sphere, which is the smaller piece.
         for (size_t k = 0; k < 3 * made.count; k++)
@@ -685,7 +685,7 @@ static void rows_are_averages(void **state)
     scatter made = torus(2000);
     nearest_tree tree;
     check_status(neighbours_build(made.points, made.count, &tree, NULL), BAT_OK);
-    shell_cloud cloud = {.points = made.points, .count = made.count, .tree = &tree};
+    shell_cloud cloud = {.points = made.points, .count = made.count, .tree = &tree, .share = 1};
     check_status(shell_connect(&cloud, (bat_progress){0}, &ball, NULL, NULL), BAT_OK);
     nearest_free(&tree);
     check_status(shell_layout_make(&ball, 60, false, 0, &layout, NULL), BAT_OK);

@@ -654,7 +654,7 @@ bat_status shell_connect(shell_cloud *cloud, bat_progress progress, bat_mesh *me
             extent = fmax(extent, nearest_bounds(cloud->tree)[3 + d] - nearest_bounds(cloud->tree)[d]);
         status = noise_estimate(cloud->points, cloud->tree, &cloud->noise, error);
         work.planes = &planes;
-        cloud->cell = fmax(fmax(cloud->spacing, cloud->noise), extent / MAX_CELLS);
+        cloud->cell = fmax(cloud->share * fmax(cloud->spacing, cloud->noise), extent / MAX_CELLS);
         work.noise = cloud->noise;
         cloud->areas = work.areas;
         if (status == BAT_OK)

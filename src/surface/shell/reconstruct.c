@@ -61,6 +61,8 @@ static const double MAX_EXCESS = 1.5, LEAST_FACES = 16;
 /// Grid on which points are put to make the mesh: it hides rounding, so that turned points give the same mesh.
 static const double ROUNDING = 0x1p-22;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
+/// Size of the cells that connect points, in the greater of spacing and noise; the second is tried where the first fails.
+static const double CELLS[2] = {1, 0.8};
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
 {
@@ -128,6 +130,7 @@ typedef struct shell_work
     bool closed;            ///< the mesh of points
     bool folded;            ///< the first fit
     bool split;             ///< the shell is between two sheets of points
+    double share;           ///< of the spacing or the noise in a cell that connects points
     double noise, stiffness;
     double normals; ///< their weight in the error of the layout
     bat_shell_report report;
@@ -347,7 +350,7 @@ static bat_status coarsen(const shell_work *work, bat_mesh *mesh, bat_error *err
 static bat_status connect_points(shell_work *work, bat_progress progress, bat_error *error)
 {
     nearest_tree tree = {0};
-    shell_cloud cloud = {.points = work->rounded, .count = work->count, .tree = &tree};
+    shell_cloud cloud = {.points = work->rounded, .count = work->count, .tree = &tree, .share = work->share};
     double *normals = memory_pool_array(&work->pool, work->count, 3 * sizeof *normals);
     bat_status status = memory_pool_check(&work->pool, error);
     if (status == BAT_OK)
@@ -927,29 +930,18 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
     return status;
 }
 
-bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_mesh *mesh,
-                                 const bat_shell_reconstruct_options *options, bat_shell *shell, bat_shell_report *report,
-                                 bat_error *error)
+/// As bat_shell_reconstruct().
+/// @param share of the spacing or the noise in a cell that connects points
+/// @param again receives whether smaller cells may help
+static bat_status reconstruct(const double *points, size_t count, const bat_mesh *mesh,
+                              const bat_shell_reconstruct_options *options, double share, bool *again, bat_shell *shell,
+                              bat_shell_report *report, bat_error *error)
 {
-    const bat_shell_reconstruct_options defaults = bat_shell_reconstruct_defaults();
-    shell_work work = {.options = options != NULL ? options : &defaults, .stiffness = 1, .report = {.held_out = NAN}};
-    bat_shell made = {0};
-    bat_status status = bat_options_check(&bat_shell_reconstruct_fields, work.options, error);
-    if (status != BAT_OK)
-        return status;
-    if (mesh != NULL && work.options->fill_holes > 0)
-        return error_option(error, "fill_holes", "closes holes of points; close those of a mesh first, as batten mesh does");
-    if (mesh == NULL && count < MIN_POINTS)
-        return ERROR_ARGUMENT(error, "%zu points are too few: a shell needs %d", count, MIN_POINTS);
-    progress_part first = {work.options->progress, 0, CONNECT_SHARE};
-    if (mesh != NULL)
-        status = take_mesh(&work, mesh, error);
-    else
-    {
-        status = take_points(&work, points, count, error);
-        if (status == BAT_OK)
-            status = connect_points(&work, progress_of_part(&first), error);
-    }
+    shell_work work = {.options = options, .share = share, .stiffness = 1, .report = {.held_out = NAN}};
+    progress_part first = {options->progress, 0, CONNECT_SHARE};
+    bat_status status = mesh != NULL ? take_mesh(&work, mesh, error) : take_points(&work, points, count, error);
+    if (status == BAT_OK && mesh == NULL)
+        status = connect_points(&work, progress_of_part(&first), error);
     bat_mesh *meshes[] = {&work.mesh, &work.creased};
     for (size_t k = 0; k < 2 && status == BAT_OK && meshes[k]->face_count > 0; k++)
     {
@@ -957,14 +949,46 @@ bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_m
         if (status == BAT_OK)
             status = add_normals(meshes[k], error);
     }
-    if (status == BAT_OK)
-        status = fit_and_judge(&work, &made, error);
+    bool connected = status == BAT_OK;
+    if (connected)
+        status = fit_and_judge(&work, shell, error);
+    *again = connected && status == BAT_NO_CONVERGENCE && mesh == NULL;
     bat_mesh_free(&work.mesh);
     bat_mesh_free(&work.creased);
     memory_pool_free(&work.pool);
     if (status == BAT_OK)
+        *report = work.report;
+    return status;
+}
+
+bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_mesh *mesh,
+                                 const bat_shell_reconstruct_options *options, bat_shell *shell, bat_shell_report *report,
+                                 bat_error *error)
+{
+    bat_shell_reconstruct_options wanted = options != NULL ? *options : bat_shell_reconstruct_defaults();
+    bat_shell made = {0};
+    bat_shell_report measured;
+    bat_error failure;
+    bool again;
+    bat_status status = bat_options_check(&bat_shell_reconstruct_fields, &wanted, error);
+    if (status != BAT_OK)
+        return status;
+    if (mesh != NULL && wanted.fill_holes > 0)
+        return error_option(error, "fill_holes", "closes holes of points; close those of a mesh first, as batten mesh does");
+    if (mesh == NULL && count < MIN_POINTS)
+        return ERROR_ARGUMENT(error, "%zu points are too few: a shell needs %d", count, MIN_POINTS);
+    status = reconstruct(points, count, mesh, &wanted, CELLS[0], &again, &made, &measured, error);
+    if (again)
+    {
+        progress_part done = {wanted.progress, 1, 0};
+        wanted.progress = progress_of_part(&done);
+        bat_status second = reconstruct(points, count, mesh, &wanted, CELLS[1], &again, &made, &measured, &failure);
+        // The first failure is told, but for one of the second's that has nothing to do with the points.
+        status = second == BAT_OK || second == BAT_NO_CONVERGENCE ? second : error_copy(error, &failure);
+    }
+    if (status == BAT_OK)
         *shell = made;
     if (status == BAT_OK && report != NULL)
-        *report = work.report;
+        *report = measured;
     return status;
 }

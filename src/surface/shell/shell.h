@@ -29,6 +29,7 @@ typedef struct shell_cloud
     const nearest_tree *tree; ///< of the points
     double spacing;           ///< median distance of neighbours
     double noise;             ///< standard deviation of a coordinate, from neighbourhoods
+    double share;             ///< of the spacing, or of the noise where that is more: the wanted size of a cell
     double cell;              ///< of the grid that connects them: details below it are lost
     const double *areas;      ///< count: the area that each point has for itself
 } shell_cloud;
