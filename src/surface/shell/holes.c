@@ -189,8 +189,10 @@ static bat_status keep_rest(opening *work, bat_error *error)
     if (faces == NULL)
         return memory_pool_check(&work->pool, error);
     size_t kept = 0;
-    for (int round = 0; round < EARS; round++)
+    bool ears = true;
+    for (int round = 0; round < EARS && ears; round++)
     {
+        ears = false;
         kept = 0;
         memset(work->stack, 0, rest.vertex_count * sizeof *work->stack);
         for (size_t f = 0; f < rest.face_count; f++)
@@ -203,7 +205,10 @@ static bat_status keep_rest(opening *work, bat_error *error)
                 work->stack[face[c]]++;
         }
         for (size_t v = 0; v < rest.vertex_count; v++)
+        {
+            ears = ears || work->stack[v] == 1;
             work->gone[v] = work->gone[v] || work->stack[v] == 1;
+        }
     }
     rest.faces = faces;
     rest.face_count = kept;

@@ -131,6 +131,7 @@ typedef struct shell_work
     bool folded;            ///< the first fit
     bool split;             ///< the shell is between two sheets of points
     double share;           ///< of the spacing or the noise in a cell that connects points
+    bool has_share;         ///< cells are not larger, as for many points, so that another share would change them
     double noise, stiffness;
     double normals; ///< their weight in the error of the layout
     bat_shell_report report;
@@ -374,6 +375,7 @@ static bat_status connect_points(shell_work *work, bat_progress progress, bat_er
     if (!(work->options->tolerance > 0))
         work->stiffness = fmin(1 + NOISE_SLOPE * fmax(cloud.noise / cloud.spacing - MIN_NOISE, 0), MAX_NOISY);
     work->report.spacing = cloud.spacing;
+    work->has_share = status == BAT_OK && cloud.cell <= work->share * fmax(cloud.spacing, cloud.noise);
     return status;
 }
 
@@ -949,10 +951,9 @@ static bat_status reconstruct(const double *points, size_t count, const bat_mesh
         if (status == BAT_OK)
             status = add_normals(meshes[k], error);
     }
-    bool connected = status == BAT_OK;
-    if (connected)
+    if (status == BAT_OK)
         status = fit_and_judge(&work, shell, error);
-    *again = connected && status == BAT_NO_CONVERGENCE && mesh == NULL;
+    *again = status == BAT_NO_CONVERGENCE && work.has_share;
     bat_mesh_free(&work.mesh);
     bat_mesh_free(&work.creased);
     memory_pool_free(&work.pool);
