@@ -346,6 +346,17 @@ static void one_named_column_stays_named(void **state)
     bat_curve_set_free(&set);
 }
 
+/// The comment counts columns, also where one of them is called like a number.
+static void a_comment_counts_columns(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("# columns: 1,3\na,>3,c\n0,7,1\n2,8,5\n", CSV, NULL);
+    const double points[] = {0, 1, 2, 5};
+    assert_int_equal(set.curves[0].space->point_dim, 2);
+    assert_memory_equal(set.curves[0].points, points, sizeof points);
+    bat_curve_set_free(&set);
+}
+
 static void what_cannot_be_written_is_refused(void **state)
 {
     (void)state;
@@ -391,6 +402,7 @@ int main(void)
                                        cmocka_unit_test(too_many_columns_are_refused),
                                        cmocka_unit_test(guessed_coordinates_keep_their_space),
                                        cmocka_unit_test(one_named_column_stays_named),
+                                       cmocka_unit_test(a_comment_counts_columns),
                                        cmocka_unit_test(what_cannot_be_written_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -292,8 +292,10 @@ typedef struct csv_reader
 /// The number of a column, from 1, in the file: the column of corners is not among the fields.
 size_t csv_column_number(const csv_reader *reader, size_t column);
 
-bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, size_t *column,
-                           bat_error *error);
+/// Find a column by its name, or by its number from 1.
+/// @param numbered the name is a number, whatever the header says
+bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, bool numbered,
+                           size_t *column, bat_error *error);
 
 /// Name the columns of the TUM format as a CSV header would. False when out of memory.
 bool csv_name_tum_columns(csv_reader *reader);

@@ -569,7 +569,7 @@ static bat_status collect_groups(csv_reader *reader, row_groups *all, bat_error 
             continue;
         const char *name = reader->options->group;
         if (column == BAT_NO_INDEX)
-            status = csv_find_column(reader, "group", name, strlen(name), &column, error);
+            status = csv_find_column(reader, "group", name, strlen(name), false, &column, error);
         if (status == BAT_OK)
             status = check_width(reader, &line, count, error);
         if (status != BAT_OK)

@@ -61,11 +61,11 @@ static size_t find_by_name(const csv_reader *reader, const char *name, size_t le
     return BAT_NO_INDEX;
 }
 
-bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, size_t *column,
-                           bat_error *error)
+bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, bool numbered,
+                           size_t *column, bat_error *error)
 {
     size_t corner = reader->attributes->csv->corner;
-    *column = find_by_name(reader, name, length);
+    *column = numbered ? BAT_NO_INDEX : find_by_name(reader, name, length);
     int64_t number;
     if (*column == BAT_NO_INDEX && csv_read_whole(csv_unquoted((csv_field){name, name + length}), EXACT_DIGITS, &number) &&
         number >= 1 && (uint64_t)number <= reader->column_count + (corner != BAT_NO_INDEX ? 1 : 0) &&
@@ -88,7 +88,8 @@ static bat_status find_chosen(csv_reader *reader, const char *list, size_t *chos
         size_t length = (size_t)(name.end - name.begin);
         if (*count == BAT_SPACE_MAX_DIM)
             return ERROR_ARGUMENT(error, "columns: more than %d columns", BAT_SPACE_MAX_DIM);
-        bat_status status = csv_find_column(reader, "columns", name.begin, length, &chosen[*count], error);
+        bat_status status =
+            csv_find_column(reader, "columns", name.begin, length, list == reader->column_list, &chosen[*count], error);
         if (status != BAT_OK)
             return status;
         for (size_t i = 0; i < *count; i++)
@@ -582,8 +583,8 @@ bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *erro
             return ERROR_FILE(error, reader->header_line, "column %zu of the header has no name",
                               csv_column_number(reader, i));
     if (reader->options->group != NULL)
-        status =
-            csv_find_column(reader, "group", reader->options->group, strlen(reader->options->group), &reader->group, error);
+        status = csv_find_column(reader, "group", reader->options->group, strlen(reader->options->group), false,
+                                 &reader->group, error);
     bool trajectory = space != NULL && strcmp(space, "rigid") == 0 && reader->column_count == TUM_COLUMNS;
     if (status == BAT_OK && trajectory && columns->names == NULL)
     {
