@@ -28,6 +28,7 @@ typedef struct surface_job
     bool spline; ///< also where the points lie on a shape
     bool shell;  ///< the surface has any shape: asked for, or found
     bat_shell_reconstruct_options shell_options;
+    const char *steps; ///< the file in which a shell keeps what was found; null: none
     bat_shell made;
     bat_shell_report shell_report;
     const char *cage; ///< file; may be null
@@ -52,6 +53,9 @@ static const option_spec OPTIONS[] = {
      WHOLE(surface_job, shell_options.faces, 6, 1000000)},
     {"crease-angle", "DEG", METHOD, 0, "of a shell: edges beyond this angle stay sharp; 0: none; default 40",
      DEGREES(surface_job, shell_options.crease, 0)},
+    {"resume", "FILE", METHOD, 0,
+     "of a shell: keep what is found in FILE, and begin with it; the file goes when the shell is made",
+     TEXT(surface_job, steps)},
     {"fill-holes", "D", METHOD, 0, "with --trim or --shell: close holes of at most this diameter",
      NUMBER(surface_job, options.fill_holes)},
     {"close-gaps", "W", METHOD, 0, "with --trim: close gaps that no circle of a larger diameter fits into",
@@ -204,6 +208,7 @@ static bool check(void *of)
         {inspects && job->call.picture == NULL, "--bands and --view go with --picture"},
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
         {argument(given, "crease-angle") != NULL && job->options.trim, "--crease-angle goes with shells, not with --trim"},
+        {job->steps != NULL && job->options.trim, "--resume goes with shells, not with --trim"},
         {job->shell && (job->parameters != NULL || job->parameter_file != NULL || argument(given, "functions") != NULL),
          "a shell has patches, not functions and parameters of one square: leave out --shell, or give --patches"},
         {job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO,
@@ -274,8 +279,8 @@ static int make_shell(surface_job *job)
     (void)bat_shell_follows(&job->options, false, report_error(), options);
     options->progress = report_progress("fitting");
     if (status == BAT_OK)
-        status = bat_shell_reconstruct(job->cloud.points, job->cloud.count, mesh, options, &job->made, &job->shell_report,
-                                       report_error());
+        status = bat_shell_reconstruct_in_steps(job->cloud.points, job->cloud.count, mesh, options, job->steps, &job->made,
+                                                &job->shell_report, report_error());
     int code = report_status(job->call.given, job->call.input, status);
     if (code == EXIT_DONE && job->cage != NULL)
         code = report_status(NULL, job->cage,

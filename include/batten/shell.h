@@ -106,6 +106,15 @@ BAT_API bat_status bat_shell_reconstruct(const double *points, size_t count, con
                                          const bat_shell_reconstruct_options *options, bat_shell *shell,
                                          bat_shell_report *report, bat_error *error);
 
+/// The same, which keeps what it has found in a file: the mesh that connects the points, then the layout. One that was
+/// stopped goes on from there, to the same shell. When there is a shell, the file is removed.
+/// @param steps a path; null: none
+/// @return as bat_shell_reconstruct(); also BAT_FILE_ACCESS and BAT_BAD_FILE; BAT_INVALID_ARGUMENT where the file is of
+///         other points or other options, threads and force aside
+BAT_API bat_status bat_shell_reconstruct_in_steps(const double *points, size_t count, const bat_mesh *mesh,
+                                                  const bat_shell_reconstruct_options *options, const char *steps,
+                                                  bat_shell *shell, bat_shell_report *report, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -206,13 +206,14 @@ class Shell:
         return self.picture()
 
 
-def _shell(given: Any, faces: Any, how: Any, progress: Progress) -> Shell:
+def _shell(given: Any, faces: Any, how: Any, progress: Progress, resume: str | os.PathLike[str] | None) -> Shell:
     made, found = ffi.gc(ffi.new("bat_shell *"), lib.bat_shell_free), ffi.new("bat_shell_report *")
     mesh = Mesh.of(given, faces) if faces is not None or hasattr(given, "faces") else None
     given = None if mesh is not None else array(given, "points", 3)
     points, count = (ffi.NULL, 0) if mesh is not None else (pointer(given), len(given))
     with shown(progress, "fitting"):
-        call(lib.bat_shell_reconstruct, points, count, ffi.NULL if mesh is None else mesh._struct(), how, made, found)
+        call(lib.bat_shell_reconstruct_in_steps, points, count, ffi.NULL if mesh is None else mesh._struct(), how,
+             ffi.NULL if resume is None else os.fsencode(resume), made, found)  # fmt: skip
     patches, made.patches = take(made.patches, (made.face_count, made.spans, made.spans, 4, 4, 3)), ffi.NULL
     cage = ffi.new("bat_mesh *")
     call(lib.bat_mesh_copy, ffi.addressof(made, "cage"), cage)
@@ -240,7 +241,7 @@ def _owned(values: Any) -> Any:
 @overload
 @takes("bat_shell_reconstruct_options")
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Literal[True], progress: Progress = False,
-                **settings: Any) -> Shell: ...
+                resume: str | os.PathLike[str] | None = None, **settings: Any) -> Shell: ...
 @overload
 @takes("bat_surface_reconstruct_options")
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Literal[False], boundary: int = 0,
@@ -249,11 +250,11 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Litera
 @overload
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool | None = None, boundary: int = 0,
                 corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", edges: str = "auto",
-                progress: Progress = False, **settings: Any) -> Surface | Any: ...
+                progress: Progress = False, resume: str | os.PathLike[str] | None = None, **settings: Any) -> Surface | Any: ...
 @takes("bat_surface_reconstruct_options")
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool | None = None, boundary: int = 0,
                 corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", edges: str = "auto",
-                progress: Progress = False, **settings: Any) -> Any:
+                progress: Progress = False, resume: str | os.PathLike[str] | None = None, **settings: Any) -> Any:
     """Fit a spline surface to the points of a scan: one patch, or a shell of any shape.
 
     Parameters
@@ -278,6 +279,8 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
         along smooth curves.
     progress : bool or callable
         As of :func:`refine`.
+    resume : path, optional
+        A file in which a shell keeps what it has found, and from which a stopped one goes on. It goes when the shell is made.
     **settings
         Fields of ``bat_surface_reconstruct_options`` and its ``bat_surface_fit_options`` and ``bat_hierarchical_options``.
 
@@ -304,7 +307,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
         points, faces, leading, four = read_scan(points)
         boundary, corners = (boundary, corners) if outlined else (leading, four)
     if whole:
-        return _shell(points, faces, how, progress)
+        return _shell(points, faces, how, progress, resume)
     how.parameters = lib.BAT_SURFACE_PARAMETERS_GIVEN
     if isinstance(parameters, str):
         how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
@@ -319,7 +322,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
                 raise
             if error.remedy == "shell":
                 break
-    return _shell(points, faces, follow, progress)
+    return _shell(points, faces, follow, progress, resume)
 
 
 def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, edges: str, progress: Progress, how: Any) -> Surface:

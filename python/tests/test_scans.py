@@ -100,6 +100,11 @@ def test_a_file_becomes_a_surface(patch, sphere_mesh, tmp_path):
     assert np.array_equal(surface.control, given.control)
     sphere_mesh.write(tmp_path / "ball.stl")
     assert batten.fit_surface(str(tmp_path / "ball.stl"), shell=True, faces=24).closed
+    kept = tmp_path / "kept.safetensors"
+    with pytest.raises(batten.BattenError, match="stopped"):
+        batten.fit_surface(tmp_path / "ball.stl", shell=True, faces=24, resume=kept, progress=lambda share: share < 0.72)
+    assert kept.exists()
+    assert batten.fit_surface(tmp_path / "ball.stl", shell=True, faces=24, resume=kept).closed and not kept.exists()
     with pytest.raises(TypeError, match="a file has its own"):
         batten.fit_surface(tmp_path / "patch.xyz", [[0, 1, 2]])
 

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const double PI = 3.14159265358979323846;
 
@@ -580,6 +581,56 @@ static void order_and_threads_change_nothing(void **state)
     free(made.points);
 }
 
+static bool goes_on_below(void *context, double fraction)
+{
+    return fraction < *(double *)context;
+}
+
+/// A shell that is stopped goes on from its last step, to the same patches. Steps of other points, or damaged ones, are
+/// refused.
+static void a_stopped_shell_goes_on(void **state)
+{
+    (void)state;
+    static const double STOPS[] = {0.32, 0.72};
+    char path[] = "/tmp/batten-steps-XXXXXX";
+    scatter made = torus(2000);
+    bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+    bat_shell whole, shell;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, &options, &whole, NULL, NULL), BAT_OK);
+    int descriptor = mkstemp(path);
+    assert_true(descriptor >= 0);
+    close(descriptor);
+    check_status(bat_shell_reconstruct_in_steps(made.points, made.count, NULL, &options, path, &shell, NULL, NULL),
+                 BAT_BAD_FILE);
+    for (size_t k = 0; k < 2; k++)
+    {
+        double stop = STOPS[k];
+        bat_error error = {0};
+        (void)remove(path);
+        options.progress = (bat_progress){goes_on_below, &stop};
+        check_status(bat_shell_reconstruct_in_steps(made.points, made.count, NULL, &options, path, &shell, NULL, NULL),
+                     BAT_CANCELLED);
+        // What is kept is not done again: the first report comes after it.
+        stop = k == 0 ? 0.3 : 0.7;
+        check_status(bat_shell_reconstruct_in_steps(made.points, made.count, NULL, &options, path, &shell, NULL, NULL),
+                     BAT_CANCELLED);
+        options.progress = (bat_progress){0};
+        options.faces = 300;
+        check_status(bat_shell_reconstruct_in_steps(made.points, made.count, NULL, &options, path, &shell, NULL, &error),
+                     BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, "other points or other options"));
+        options.faces = 0;
+        check_status(bat_shell_reconstruct_in_steps(made.points, made.count, NULL, &options, path, &shell, NULL, NULL),
+                     BAT_OK);
+        assert_int_equal(shell.cage.face_count, whole.cage.face_count);
+        assert_memory_equal(shell.patches, whole.patches, whole.cage.face_count * 48 * sizeof *whole.patches);
+        assert_int_not_equal(access(path, F_OK), 0);
+        bat_shell_free(&shell);
+    }
+    bat_shell_free(&whole);
+    free(made.points);
+}
+
 /// Turned and scaled points give the turned and scaled shell: layouts do not depend on rounding.
 static void shells_turn_and_scale_with_points(void **state)
 {
@@ -739,6 +790,7 @@ int main(void)
         cmocka_unit_test(false_handles_are_cut),
         cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),
+        cmocka_unit_test(a_stopped_shell_goes_on),
         cmocka_unit_test(shells_turn_and_scale_with_points),
         cmocka_unit_test(sheets_nearer_than_points_are_refused),
         cmocka_unit_test(a_cube_keeps_its_edges),
