@@ -50,7 +50,7 @@ bat_status array_make(void *pointer, size_t count, size_t size, bat_error *error
 
 bat_status array_zeros(void *pointer, size_t count, size_t size, bat_error *error)
 {
-    return array_set(pointer, calloc(count, size), count * size, error);
+    return array_set(pointer, calloc(count > 0 ? count : 1, size), count * size, error);
 }
 
 #if defined(__SSE2__)

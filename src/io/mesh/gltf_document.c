@@ -197,8 +197,7 @@ bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *
     if (status != BAT_OK)
         return status;
     document->buffer_count = json_array_size(json_object_get(document->root, "buffers"));
-    document->buffers = calloc(document->buffer_count + 1, sizeof *document->buffers);
-    return document->buffers != NULL ? BAT_OK : error_memory(error, document->buffer_count * sizeof *document->buffers);
+    return array_zeros(&document->buffers, document->buffer_count, sizeof *document->buffers, error);
 }
 
 void gltf_close(gltf_document *document)

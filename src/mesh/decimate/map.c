@@ -417,10 +417,8 @@ static bool kept_is_valid(const bat_mesh_map *map, const uint32_t *state)
 
 bat_status map_inspect(const bat_mesh_map *map, bat_error *error)
 {
-    uint32_t *state = calloc(map->fine_faces + 1, sizeof *state);
-    if (state == NULL)
-        return error_memory(error, map->fine_faces * sizeof *state);
-    bat_status status = BAT_OK;
+    uint32_t *state;
+    bat_status status = array_zeros(&state, map->fine_faces, sizeof *state, error);
     for (size_t c = 0; c < map->collapse_count && status == BAT_OK; c++)
         if (!faces_are_upright(map, &map->collapses[c]))
             status = invalid_collapse(error, c, "has a face without area");

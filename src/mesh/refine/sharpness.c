@@ -77,15 +77,6 @@ static void take_angles(const mesh_level *level, const double *positions, double
     }
 }
 
-/// Allocate an array of zeros.
-static bat_status make_sharpness(size_t count, double **sharpness, bat_error *error)
-{
-    if (array_make(sharpness, count, sizeof **sharpness, error) != BAT_OK)
-        return BAT_NO_MEMORY;
-    memset(*sharpness, 0, count * sizeof **sharpness);
-    return BAT_OK;
-}
-
 /// Release an array of zeros and set it to null.
 static void drop_if_zero(size_t count, double **sharpness)
 {
@@ -103,7 +94,7 @@ bat_status sharpness_of_edges(const mesh_level *level, const bat_mesh *mesh, dou
     *sharpness = NULL;
     if (mesh->crease_count == 0 && !(crease_angle > 0))
         return BAT_OK;
-    bat_status status = make_sharpness(links->edge_count, sharpness, error);
+    bat_status status = array_zeros(sharpness, links->edge_count, sizeof **sharpness, error);
     if (status == BAT_OK)
         status = take_creases(level, mesh, *sharpness, error);
     if (status != BAT_OK)
@@ -118,18 +109,6 @@ bat_status sharpness_of_edges(const mesh_level *level, const bat_mesh *mesh, dou
     return BAT_OK;
 }
 
-/// Make sharp the boundary vertices of a single face.
-static void take_boundary_corners(const mesh_level *level, double *sharpness)
-{
-    const bat_mesh_connectivity *links = level->links;
-    for (size_t v = 0; v < links->vertex_count; v++)
-    {
-        uint32_t first = links->first[v];
-        if (first != BAT_MESH_NONE && sides_next_around(level, first) == BAT_MESH_NONE)
-            sharpness[v] = fmax(sharpness[v], BAT_MESH_SHARP);
-    }
-}
-
 bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, bool sharpen_boundary, double **sharpness,
                                  bat_error *error)
 {
@@ -137,7 +116,7 @@ bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, 
     sharpen_boundary = sharpen_boundary && level->links->boundary_edge_count > 0;
     if (mesh->corner_count == 0 && !sharpen_boundary)
         return BAT_OK;
-    bat_status status = make_sharpness(mesh->vertex_count, sharpness, error);
+    bat_status status = array_zeros(sharpness, mesh->vertex_count, sizeof **sharpness, error);
     if (status != BAT_OK)
         return status;
     for (size_t i = 0; i < mesh->corner_count; i++)
@@ -145,8 +124,12 @@ bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, 
         double *vertex = &(*sharpness)[mesh->corners[i].vertex];
         *vertex = fmax(*vertex, mesh->corners[i].sharpness);
     }
-    if (sharpen_boundary)
-        take_boundary_corners(level, *sharpness);
+    for (size_t v = 0; v < level->links->vertex_count && sharpen_boundary; v++) // those of a single face
+    {
+        uint32_t first = level->links->first[v];
+        if (first != BAT_MESH_NONE && sides_next_around(level, first) == BAT_MESH_NONE)
+            (*sharpness)[v] = fmax((*sharpness)[v], BAT_MESH_SHARP);
+    }
     drop_if_zero(mesh->vertex_count, sharpness);
     return BAT_OK;
 }
@@ -287,7 +270,7 @@ bat_status sharpness_chaikin(const mesh_level *level, double **children, bat_err
 /// Runs on one thread: few edges are sharp.
 bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity *fine, double **result, bat_error *error)
 {
-    bat_status status = make_sharpness(fine->edge_count, result, error);
+    bat_status status = array_zeros(result, fine->edge_count, sizeof **result, error);
     if (status != BAT_OK)
         return status;
     // Quads are made of corners, triangles of triangles.

@@ -258,13 +258,12 @@ static double one_sidedness(const double *points, const double *here, const neig
 
 bat_status even_sample_choose(const double *points, const nearest_tree *tree, double radius, bool *chosen, bat_error *error)
 {
-    bool *covered = memory_array(tree->count, 2 * sizeof *covered);
-    if (covered == NULL)
-        return error_memory(error, 2 * tree->count);
-    memset(covered, 0, tree->count * sizeof *covered);
+    bool *covered;
+    bat_status status = array_zeros(&covered, tree->count, 2 * sizeof *covered, error);
+    if (status != BAT_OK)
+        return status;
     bool *is_end = covered + tree->count;
     neighbour_list near = {0};
-    bat_status status = BAT_OK;
     for (size_t i = 0; i < tree->count && status == BAT_OK; i++)
     {
         status = neighbours_nearest(tree, points + 3 * i, LINE_NEIGHBOURS, &near, error);
