@@ -406,12 +406,12 @@ static bat_status run_joined(const pieces *all, const piece *part, const bat_cur
 {
     size_t point_dim = curve->space->point_dim, dim = point_dim + curve->channel_count;
     row_space rows;
+    memory_pool pool = {0};
+    double *joined = memory_pool_array(&pool, curve->count, dim * sizeof *joined),
+           *fine = memory_pool_array(&pool, part->count, dim * sizeof *fine);
     bat_status status = row_space_make(curve->space, curve->channel_count, &rows, error);
-    if (status != BAT_OK)
-        return status;
-    double *joined = memory_array(curve->count, dim * sizeof *joined), *fine = memory_array(part->count, dim * sizeof *fine);
-    if (joined == NULL || fine == NULL)
-        status = error_memory(error, part->count * dim * sizeof *fine);
+    if (status == BAT_OK)
+        status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         const bat_curve_scheme *scheme = &all->plan.options.scheme;
@@ -421,8 +421,7 @@ static bat_status run_joined(const pieces *all, const piece *part, const bat_cur
     }
     if (status == BAT_OK)
         rows_split(fine, part->count, point_dim, curve->channel_count, points, channels);
-    free(joined);
-    free(fine);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -488,19 +487,17 @@ static bat_status run_piece(pieces *all, piece *part, void *context, bat_progres
     if (all->count == 1 && !all->owned)
         return run_rows(all, part, progress, result->points, result->channels, error);
     size_t dim = all->coarse.space->point_dim, channel_count = result->channels != NULL ? all->coarse.channel_count : 0;
-    double *points = memory_array(part->count, dim * sizeof *points);
-    double *channels = channel_count > 0 ? memory_array(part->count, channel_count * sizeof *channels) : NULL;
-    bat_status status = BAT_OK;
-    if (points == NULL || (channel_count > 0 && channels == NULL))
-        status = error_memory(error, part->count * dim * sizeof *points);
-    else
+    memory_pool pool = {0};
+    double *points = memory_pool_array(&pool, part->count, dim * sizeof *points);
+    double *channels = channel_count > 0 ? memory_pool_array(&pool, part->count, channel_count * sizeof *channels) : NULL;
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
         status = run_rows(all, part, progress, points, channels, error);
     if (status == BAT_OK)
         place_rows(all, part, points, dim, result->points);
     if (status == BAT_OK && channel_count > 0)
         place_rows(all, part, channels, channel_count, result->channels);
-    free(points);
-    free(channels);
+    memory_pool_free(&pool);
     return status;
 }
 

@@ -354,13 +354,12 @@ static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan
 {
     size_t point_dim = coarse->space->point_dim, channel_count = coarse->channel_count, dim = point_dim + channel_count;
     row_space rows;
+    memory_pool pool = {0};
+    double *joined = memory_pool_array(&pool, coarse->count, dim * sizeof *joined),
+           *fine = memory_pool_array(&pool, plan->count, dim * sizeof *fine);
     bat_status status = row_space_make(coarse->space, channel_count, &rows, error);
-    if (status != BAT_OK)
-        return status;
-    double *joined = memory_array(coarse->count, dim * sizeof *joined),
-           *fine = memory_array(plan->count, dim * sizeof *fine);
-    if (joined == NULL || fine == NULL)
-        status = error_memory(error, (coarse->count + plan->count) * dim * sizeof *fine);
+    if (status == BAT_OK)
+        status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         const bat_curve_scheme *scheme = &plan->options.scheme;
@@ -371,8 +370,7 @@ static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan
     }
     if (status == BAT_OK)
         rows_split(fine, plan->count, point_dim, channel_count, points, channels);
-    free(joined);
-    free(fine);
+    memory_pool_free(&pool);
     return status;
 }
 

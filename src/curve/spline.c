@@ -403,37 +403,27 @@ static bat_status eliminate(const spline *s, const velocity_system *system, size
     return status;
 }
 
-/// The solution takes the place of the right sides.
-static bat_status substitute(const spline *s, const velocity_system *system, size_t *fault)
-{
-    bat_status status = BAT_OK;
-    for (ptrdiff_t i = system->end - 2; i >= system->begin && status == BAT_OK; i--)
-    {
-        *fault = spline_wrapped(s, i);
-        size_t at = (size_t)(i - system->begin);
-        double *right = system->right + at * s->tangent_dim;
-        status = add_transported(s, i + 1, i, -system->upper[at], right + s->tangent_dim, right);
-    }
-    return status;
-}
-
 static bat_status solve(const spline *s, ptrdiff_t begin, ptrdiff_t end, size_t *fault)
 {
     size_t count = (size_t)(end - begin), first = begin < 0 ? (size_t)-begin : 0;
+    memory_pool pool = {0};
     velocity_system system = {.begin = begin, .end = end, .not_a_knot = !s->coarse->closed};
-    system.upper = memory_array(count, sizeof *system.upper);
-    system.right = memory_array(count * s->tangent_dim, sizeof *system.right);
-    bat_status status = system.upper != NULL && system.right != NULL ? BAT_OK : BAT_NO_MEMORY;
+    system.upper = memory_pool_array(&pool, count, sizeof *system.upper);
+    system.right = memory_pool_array(&pool, count * s->tangent_dim, sizeof *system.right);
+    bat_status status = memory_pool_check(&pool, NULL);
     if (status == BAT_OK)
         status = eliminate(s, &system, fault);
-    if (status == BAT_OK)
-        status = substitute(s, &system, fault);
+    for (ptrdiff_t i = end - 2; i >= begin && status == BAT_OK; i--) // the solution takes the place of the right sides
+    {
+        *fault = spline_wrapped(s, i);
+        double *right = system.right + (size_t)(i - begin) * s->tangent_dim;
+        status = add_transported(s, i + 1, i, -system.upper[i - begin], right + s->tangent_dim, right);
+    }
     size_t wanted = s->coarse->closed ? s->count : count;
     if (status == BAT_OK)
         memcpy(velocity_of(s, s->coarse->closed ? 0 : (size_t)begin), system.right + first * s->tangent_dim,
                wanted * s->tangent_dim * sizeof *system.right);
-    free(system.upper);
-    free(system.right);
+    memory_pool_free(&pool);
     return status;
 }
 

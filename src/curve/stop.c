@@ -393,18 +393,19 @@ static bat_status begin_search(level_search *search, bool keeps_points, size_t e
 bat_status stop_levels(const refine_source *source, const bat_curve_refine_options *options, bool keeps_points, size_t edges,
                        size_t deepest, int threads, bat_progress progress, unsigned char *levels, bat_error *error)
 {
+    memory_pool pool = {0};
     level_search search = {.source = source,
                            .options = options,
                            .geometry = polygon_geometry_of(source->space),
                            .lookahead = options->tolerance > 0 ? STOP_LOOKAHEAD : 0,
                            .most = deepest > STOP_LOOKAHEAD ? deepest - STOP_LOOKAHEAD : 0,
-                           .tests = memory_array(edges, sizeof *search.tests),
-                           .next = memory_array(edges, sizeof *search.next),
+                           .tests = memory_pool_array(&pool, edges, sizeof *search.tests),
+                           .next = memory_pool_array(&pool, edges, sizeof *search.next),
                            .levels = levels};
-    edge_run *runs = memory_array(edges, sizeof *runs);
-    bat_status status = search.tests != NULL && search.next != NULL && runs != NULL
-                            ? begin_search(&search, keeps_points, edges, error)
-                            : error_memory(error, edges * sizeof *runs);
+    edge_run *runs = memory_pool_array(&pool, edges, sizeof *runs);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = begin_search(&search, keeps_points, edges, error);
     double done = 0;
     while (status == BAT_OK)
     {
@@ -418,9 +419,7 @@ bat_status stop_levels(const refine_source *source, const bat_curve_refine_optio
         if (status == BAT_OK)
             status = find_failure(&search, edges, error);
     }
-    free(search.tests);
-    free(search.next);
-    free(runs);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -441,13 +440,15 @@ static bat_status run_edges(const refine_source *source, const unsigned char *le
     return status;
 }
 
-/// stop_run() with memory for runs and rows.
-static bat_status run_all(const refine_source *source, const unsigned char *levels, size_t edges, bool with_end, int threads,
-                          bat_progress progress, edge_run *runs, size_t *rows, double *fine, bat_error *error)
+bat_status stop_run(const refine_source *source, const unsigned char *levels, size_t edges, bool with_end, int threads,
+                    bat_progress progress, double *fine, bat_error *error)
 {
-    size_t dim = source->task.kernel.dim, row = 0;
+    memory_pool pool = {0};
+    edge_run *runs = memory_pool_array(&pool, edges, sizeof *runs);
+    size_t *rows = memory_pool_array(&pool, edges, sizeof *rows), dim = source->task.kernel.dim, row = 0;
+    bat_status made = memory_pool_check(&pool, error);
     run_list list = {.runs = runs};
-    for (size_t i = 0; i < edges; i++)
+    for (size_t i = 0; i < edges && made == BAT_OK; i++)
     {
         rows[i] = row;
         row += (size_t)1 << levels[i];
@@ -472,18 +473,6 @@ static bat_status run_all(const refine_source *source, const unsigned char *leve
         }
         free(scratch);
     }
-    return shared_work_end(&work, error);
-}
-
-bat_status stop_run(const refine_source *source, const unsigned char *levels, size_t edges, bool with_end, int threads,
-                    bat_progress progress, double *fine, bat_error *error)
-{
-    edge_run *runs = memory_array(edges, sizeof *runs);
-    size_t *rows = memory_array(edges, sizeof *rows);
-    bat_status status = runs != NULL && rows != NULL
-                            ? run_all(source, levels, edges, with_end, threads, progress, runs, rows, fine, error)
-                            : error_memory(error, edges * sizeof *runs);
-    free(runs);
-    free(rows);
-    return status;
+    memory_pool_free(&pool);
+    return made == BAT_OK ? shared_work_end(&work, error) : made;
 }

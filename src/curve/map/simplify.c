@@ -192,17 +192,16 @@ static bat_status simplify_arcs(const arc_graph *graph, double tolerance, const 
     size_t longest = 0;
     for (size_t a = 0; a < graph->arc_count; a++)
         longest = graph->arcs[a].count > longest ? graph->arcs[a].count : longest;
-    job.rows = memory_array(longest + 1, sizeof *job.rows);
-    job.swept = memory_array(longest + 1, 2 * sizeof *job.swept);
+    memory_pool pool = {0};
+    job.rows = memory_pool_array(&pool, longest + 1, sizeof *job.rows);
+    job.swept = memory_pool_array(&pool, longest + 1, 2 * sizeof *job.swept);
     job.geometry = graph->arc_count > 0 ? polygon_geometry_of(graph->arcs[0].space) : GEOMETRY_ANY;
-    bat_status status =
-        job.rows != NULL && job.swept != NULL ? BAT_OK : error_memory(error, (longest + 1) * sizeof *job.rows);
+    bat_status status = memory_pool_check(&pool, error);
     for (size_t a = 0; a < graph->arc_count && status == BAT_OK; a++)
         simplify_arc(&job, a);
     if (status == BAT_OK && chart != NULL && graph->arc_count > 0)
         status = keep_apart(&job, chart, threads, error);
-    free(job.rows);
-    free(job.swept);
+    memory_pool_free(&pool);
     return status;
 }
 

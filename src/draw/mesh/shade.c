@@ -341,12 +341,12 @@ static bat_status find_occlusion(shading *s, bat_error *error)
 {
     const shade_task *task = s->task;
     size_t count = task->columns * task->rows;
-    float *depths = memory_array(count, sizeof *depths);
-    float(*normals)[3] = calloc(count, sizeof *normals);
-    s->light = memory_array(count, sizeof *s->light);
-    bat_status status = BAT_OK;
-    if (depths == NULL || normals == NULL || s->light == NULL)
-        status = error_memory(error, count * sizeof *normals);
+    memory_pool pool = {0};
+    float *depths = memory_pool_array(&pool, count, sizeof *depths);
+    float(*normals)[3] = memory_pool_zeros(&pool, count, sizeof *normals);
+    bat_status status = array_make(&s->light, count, sizeof *s->light, error);
+    if (status == BAT_OK)
+        status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         sample_middles(s, depths, normals);
@@ -357,8 +357,7 @@ static bat_status find_occlusion(shading *s, bat_error *error)
                                      .reach = fmax(OCCLUSION_REACH * fmax((double)task->columns, (double)task->rows), 2)};
         status = ambient_occlusion(&picture, task->threads, s->light, error);
     }
-    free(depths);
-    free(normals);
+    memory_pool_free(&pool);
     return status;
 }
 

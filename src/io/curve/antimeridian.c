@@ -589,34 +589,20 @@ static size_t owner_of(const globe_curve *hole, const globe_lines *outers, const
     return 0;
 }
 
-/// Find the outer ring of each hole; `outers->count` for a hole that became part of an outer ring. Null when out of memory.
-static size_t *find_owners(const globe_lines *outers, const globe_curve *holes, size_t hole_count)
-{
-    size_t *owners = memory_array(hole_count, sizeof *owners);
-    ring_box *boxes = memory_array(outers->count, sizeof *boxes);
-    for (size_t k = 0; boxes != NULL && k < outers->count; k++)
-        boxes[k] = box_of(outers, k);
-    for (size_t i = 0; owners != NULL && boxes != NULL && i < hole_count; i++)
-        owners[i] = holes[i].cut_count > 0 ? outers->count : owner_of(&holes[i], outers, boxes);
-    if (boxes == NULL)
-    {
-        free(owners);
-        return NULL;
-    }
-    free(boxes);
-    return owners;
-}
-
 /// Combine the outer rings with the holes that do not cross the antimeridian.
 static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
 {
-    size_t *owners = find_owners(outers, holes, hole_count);
-    if (owners == NULL || !ARRAY_GROW(parts->ring_counts, parts->capacity, parts->count + outers->count))
-    {
-        free(owners);
-        return false;
-    }
-    for (size_t k = 0; k < outers->count; k++)
+    memory_pool pool = {0};
+    ring_box *boxes = memory_pool_array(&pool, outers->count, sizeof *boxes);
+    size_t *owners = memory_pool_array(&pool, hole_count, sizeof *owners);
+    bool done =
+        boxes != NULL && owners != NULL && ARRAY_GROW(parts->ring_counts, parts->capacity, parts->count + outers->count);
+    for (size_t k = 0; k < outers->count && done; k++)
+        boxes[k] = box_of(outers, k);
+    // A hole that was cut is part of an outer ring already.
+    for (size_t i = 0; i < hole_count && done; i++)
+        owners[i] = holes[i].cut_count > 0 ? outers->count : owner_of(&holes[i], outers, boxes);
+    for (size_t k = 0; k < outers->count && done; k++)
     {
         size_t rings_before = parts->rings.count;
         for (size_t i = globe_line_begin(outers, k); i < outers->ends[k]; i++)
@@ -627,8 +613,8 @@ static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t
                 globe_curve_add(&holes[i], false, &parts->rings);
         parts->ring_counts[parts->count++] = parts->rings.count - rings_before;
     }
-    free(owners);
-    return !parts->rings.failed;
+    memory_pool_free(&pool);
+    return done && !parts->rings.failed;
 }
 
 bool globe_polygon_cut(const degree_grid *grid, const globe_curve *rings, size_t ring_count, globe_polygons *parts)

@@ -189,10 +189,11 @@ static bat_status create_fields(layer_writer *writer, bat_error *error)
 static bool set_list(OGRFeatureH feature, int index, OGRFieldType type, const json_t *list)
 {
     size_t count = json_array_size(list);
-    double *reals = calloc(count + 1, sizeof *reals);
-    GIntBig *longs = calloc(count + 1, sizeof *longs);
-    const char **strings = calloc(count + 1, sizeof *strings);
-    bool enough = reals != NULL && longs != NULL && strings != NULL;
+    memory_pool pool = {0};
+    double *reals = memory_pool_array(&pool, count, sizeof *reals);
+    GIntBig *longs = memory_pool_array(&pool, count, sizeof *longs);
+    const char **strings = memory_pool_zeros(&pool, count + 1, sizeof *strings); // with the end of the list
+    bool enough = pool.missing == 0;
     for (size_t i = 0; enough && i < count; i++)
     {
         const json_t *value = json_array_get(list, i);
@@ -206,9 +207,7 @@ static bool set_list(OGRFeatureH feature, int index, OGRFieldType type, const js
         gdal.OGR_F_SetFieldStringList(feature, index, (CSLConstList)strings);
     else if (enough)
         gdal.OGR_F_SetFieldInteger64List(feature, index, (int)count, longs);
-    free(reals);
-    free(longs);
-    free((void *)strings);
+    memory_pool_free(&pool);
     return enough;
 }
 
