@@ -104,16 +104,6 @@ static bat_status check_geodesic(const bat_curve_scheme *scheme, bat_error *erro
                : ERROR_UNSUPPORTED(error, 0, "a geodesic scheme needs a Lane-Riesenfeld or corner-cutting mask");
 }
 
-static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
-{
-    if (rule == NULL || (rule->angles != NULL && rule->reach >= 1 && rule->reach <= BAT_CURVE_ANGLE_RULE_REACH &&
-                         rule->scratch_size <= SIZE_MAX / 2))
-        return BAT_OK;
-    return ERROR_ARGUMENT(
-        error, "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
-        BAT_CURVE_ANGLE_RULE_REACH);
-}
-
 static bat_status check_angle(const bat_curve_scheme *scheme, bat_error *error)
 {
     static const option_field FIELDS[] = {
@@ -121,8 +111,15 @@ static bat_status check_angle(const bat_curve_scheme *scheme, bat_error *error)
         OPTION_FAMILY(bat_curve_scheme, sign, bat_curve_angle_sign_family),
         OPTION_FIELD(bat_curve_scheme, fairness, OPTION_NUMBER, 0, 1),
     };
+    const bat_curve_angle_rule *rule = scheme->rule;
     bat_status status = OPTIONS_CHECK(scheme, FIELDS, error);
-    return status == BAT_OK ? check_rule(scheme->rule, error) : status;
+    if (status != BAT_OK || rule == NULL ||
+        (rule->angles != NULL && rule->reach >= 1 && rule->reach <= BAT_CURVE_ANGLE_RULE_REACH &&
+         rule->scratch_size <= SIZE_MAX / 2))
+        return status;
+    return ERROR_ARGUMENT(
+        error, "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
+        BAT_CURVE_ANGLE_RULE_REACH);
 }
 
 static bat_status check_log_exp(const bat_curve_scheme *scheme, bat_error *error)

@@ -309,9 +309,12 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     return status == BAT_OK ? make_tangents(keys, given, method, options, error) : status;
 }
 
-static bat_status check_times(const bat_motion_curves_options *options, bat_error *error)
+static bat_status motion_curves_options_check(const void *opaque, bat_error *error)
 {
+    const bat_motion_curves_options *options = opaque;
     char digits[2][NUMBER_DIGITS_SIZE];
+    if (options->tangent_order % 2 == 1)
+        return error_option(error, "tangent_order", "is %zu, but must be 0, 2 or 4", options->tangent_order);
     if (options->times == NULL && options->time_count > 0)
         return error_option(error, "time_count", "is %zu, but times is null", options->time_count);
     if (options->times != NULL && (options->time_count == 0 || options->rate > 0))
@@ -336,14 +339,6 @@ static const option_field FIELDS[] = {
     OPTION_STRUCT(bat_motion_curves_options, spline, bat_motion_spline_fields),
     OPTION_STRUCT(bat_motion_curves_options, scheme, bat_hermite_refine_fields),
 };
-
-static bat_status motion_curves_options_check(const void *opaque, bat_error *error)
-{
-    const bat_motion_curves_options *options = opaque;
-    if (options->tangent_order % 2 == 1)
-        return error_option(error, "tangent_order", "is %zu, but must be 0, 2 or 4", options->tangent_order);
-    return check_times(options, error);
-}
 
 const bat_options_table bat_motion_curves_fields =
     OPTIONS_TABLE(bat_motion_curves_options, FIELDS, motion_curves_options_check);

@@ -296,20 +296,6 @@ static size_t blocks_of(const bat_curve *curve)
     return curve->count / BLOCK + (curve->count % BLOCK > 0);
 }
 
-static bat_status measure_block(const finder *target, const bat_curve *from, size_t begin, double *distances,
-                                bat_error *error)
-{
-    size_t end = from->count - begin < BLOCK ? from->count : begin + BLOCK;
-    for (size_t i = begin; i < end; i++)
-    {
-        distances[i] = finder_distance(target, curve_point(from, i));
-        if (!isfinite(distances[i]))
-            return error_set(error, BAT_INVALID_POINT, i, 0,
-                             "the distance of point %zu from the other curve is too large for a double", i);
-    }
-    return BAT_OK;
-}
-
 /// The distances of all points; the blocks are the pieces of `work` from `first_piece` on.
 static void measure_all(const finder *target, const bat_curve *from, int threads, double *distances, size_t first_piece,
                         shared_work *work)
@@ -322,7 +308,15 @@ static void measure_all(const finder *target, const bat_curve *from, int threads
         if (!shared_work_wants(work, first_piece + block))
             continue;
         bat_error own;
-        bat_status status = measure_block(target, from, block * BLOCK, distances, &own);
+        bat_status status = BAT_OK;
+        size_t begin = block * BLOCK, end = from->count - begin < BLOCK ? from->count : begin + BLOCK;
+        for (size_t i = begin; i < end && status == BAT_OK; i++)
+        {
+            distances[i] = finder_distance(target, curve_point(from, i));
+            if (!isfinite(distances[i]))
+                status = error_set(&own, BAT_INVALID_POINT, i, 0,
+                                   "the distance of point %zu from the other curve is too large for a double", i);
+        }
         shared_work_finish(work, first_piece + block, status, &own);
     }
 }

@@ -356,19 +356,6 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
     }
 }
 
-static bat_status make_states(draw_back_job *job, bat_error *error)
-{
-    if (array_make(&job->first, job->count, sizeof *job->first, error) != BAT_OK)
-        return BAT_NO_MEMORY;
-    for (size_t c = 0; c < job->count; c++)
-    {
-        job->first[c] = job->edge_count;
-        job->edge_count += edges_of(job->drawn[c].coarse);
-    }
-    job->edges = calloc(job->edge_count > 0 ? job->edge_count : 1, sizeof *job->edges);
-    return job->edges != NULL ? BAT_OK : error_memory(error, job->edge_count * sizeof *job->edges);
-}
-
 bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, const draw_rules *rules, bat_progress progress,
                      draw_back_counts *counts, bat_error *error)
 {
@@ -378,7 +365,14 @@ bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, co
     bat_status status = edge_tree_make(fine, count, 0, rules->threads, &tree, error);
     tree.turn = rules->turn;
     if (status == BAT_OK)
-        status = make_states(&job, error);
+        status = array_make(&job.first, count, sizeof *job.first, error);
+    for (size_t c = 0; c < count && status == BAT_OK; c++)
+    {
+        job.first[c] = job.edge_count;
+        job.edge_count += edges_of(drawn[c].coarse);
+    }
+    if (status == BAT_OK)
+        status = array_zeros(&job.edges, job.edge_count, sizeof *job.edges, error);
     if (status == BAT_OK)
         status = run_rounds(&job, &tree, progress, counts, error);
     counts->stuck = job.stuck;
