@@ -143,19 +143,6 @@ static bat_status draw_sheet(const sheet_content *content, cairo_t *cairo, const
     return BAT_OK;
 }
 
-/// Lay out on a small page, which provides font metrics.
-static bat_status plan_sheet(const sheet_content *content, layout *plan, bat_error *error)
-{
-    draw_canvas small;
-    bat_status status = canvas_open(&small, CANVAS_PNG, 1.0, 1.0, 1.0, error);
-    if (status == BAT_OK)
-    {
-        status = plan_layout(content, small.cairo, plan, error);
-        canvas_close(&small);
-    }
-    return status;
-}
-
 bat_status sheet_write(const char *path, const sheet_content *content, bat_error *error)
 {
     canvas_format format;
@@ -163,8 +150,11 @@ bat_status sheet_write(const char *path, const sheet_content *content, bat_error
     if (status != BAT_OK)
         return status;
     layout plan = {0};
-    draw_canvas canvas = {0};
-    status = plan_sheet(content, &plan, error);
+    draw_canvas canvas = {0}, small = {0}; // the small page provides font metrics for the layout
+    status = canvas_open(&small, CANVAS_PNG, 1.0, 1.0, 1.0, error);
+    if (status == BAT_OK)
+        status = plan_layout(content, small.cairo, &plan, error);
+    canvas_close(&small);
     if (status == BAT_OK)
         status = canvas_open(&canvas, format, plan.width, plan.height, content->options->pixels_per_point, error);
     if (status == BAT_OK)

@@ -131,76 +131,49 @@ void comb_tip(const comb *segments, size_t index, double scale, double *tip)
 #define FOOT_SPACING 2.2
 #define TIP_SPACING 6.6
 
-/// The segments from vertex `first` to `end` - 1, with the ends of the segments at all vertices.
-typedef struct segment_row
-{
-    const comb *segments;
-    const double *tips;
-    size_t first, end;
-} segment_row;
-
 typedef struct comb_segment
 {
     double foot_x, foot_y;
     double tip_x, tip_y;
 } comb_segment;
 
-static comb_segment place_segment(const draw_view *view, const segment_row *row, size_t index)
-{
-    size_t n = row->segments->point_dim;
-    comb_segment placed;
-    view_place(view, row->segments->points + index * n, &placed.foot_x, &placed.foot_y);
-    view_place(view, row->tips + index * n, &placed.tip_x, &placed.tip_y);
-    return placed;
-}
-
-/// Draw the segments with sufficient distance, beginning with the first.
-static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const segment_row *row, line_style line,
-                                bat_error *error)
-{
-    size_t n = row->segments->point_dim;
-    double *segment;
-    bat_status status = array_make(&segment, 2 * n, sizeof(double), error);
-    comb_segment last = {0};
-    for (size_t i = row->first; i < row->end && status == BAT_OK; i++)
-    {
-        comb_segment placed = place_segment(view, row, i);
-        bool crowded = hypot(placed.foot_x - last.foot_x, placed.foot_y - last.foot_y) < FOOT_SPACING &&
-                       hypot(placed.tip_x - last.tip_x, placed.tip_y - last.tip_y) < TIP_SPACING;
-        if (i == row->first || !crowded)
-        {
-            memcpy(segment, row->segments->points + i * n, n * sizeof(double));
-            memcpy(segment + n, row->tips + i * n, n * sizeof(double));
-            drawn_line drawn = {view, segment, 2, false, VIEW_FRONT};
-            status = stroke_line(cairo, &drawn, line, error);
-            last = placed;
-        }
-    }
-    free(segment);
-    return status;
-}
-
 bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *segments, double scale, draw_colour colour,
                            bat_error *error)
 {
-    size_t n = segments->point_dim;
-    size_t margin = segments->closed ? 0 : 1;
+    size_t n = segments->point_dim, margin = segments->closed ? 0 : 1, end = segments->count - margin;
     if (segments->count < 3)
         return BAT_OK;
-    double *tips = memory_array(segments->count * n, sizeof(double));
-    if (tips == NULL)
-        return error_memory(error, segments->count * n * sizeof(double));
-    for (size_t i = 0; i < segments->count; i++)
+    memory_pool pool = {0};
+    double *tips = memory_pool_array(&pool, segments->count * n, sizeof *tips);
+    double *segment = memory_pool_array(&pool, 2 * n, sizeof *segment);
+    bat_status status = memory_pool_check(&pool, error);
+    for (size_t i = 0; i < segments->count && status == BAT_OK; i++)
         comb_tip(segments, i, scale, tips + i * n);
-    segment_row row = {segments, tips, margin, segments->count - margin};
     line_style thin = {style_mix(colour, COLOUR_BACKGROUND, 0.4), LINE_COMB, 0.0, 0.0};
     line_style envelope = {style_mix(colour, COLOUR_BACKGROUND, 0.6), LINE_ENVELOPE, 0.0, 0.0};
-    bat_status status = draw_segments(cairo, view, &row, thin, error);
+    comb_segment last = {0};
+    for (size_t i = margin; i < end && status == BAT_OK; i++)
+    {
+        const double *foot = segments->points + i * n, *tip = tips + i * n;
+        comb_segment placed;
+        view_place(view, foot, &placed.foot_x, &placed.foot_y);
+        view_place(view, tip, &placed.tip_x, &placed.tip_y);
+        bool crowded = hypot(placed.foot_x - last.foot_x, placed.foot_y - last.foot_y) < FOOT_SPACING &&
+                       hypot(placed.tip_x - last.tip_x, placed.tip_y - last.tip_y) < TIP_SPACING;
+        if (i == margin || !crowded)
+        {
+            memcpy(segment, foot, n * sizeof(double));
+            memcpy(segment + n, tip, n * sizeof(double));
+            drawn_line drawn = {view, segment, 2, false, VIEW_FRONT};
+            status = stroke_line(cairo, &drawn, thin, error);
+            last = placed;
+        }
+    }
     if (status == BAT_OK)
     {
-        drawn_line drawn = {view, tips + row.first * n, row.end - row.first, segments->closed, VIEW_FRONT};
+        drawn_line drawn = {view, tips + margin * n, end - margin, segments->closed, VIEW_FRONT};
         status = stroke_line(cairo, &drawn, envelope, error);
     }
-    free(tips);
+    memory_pool_free(&pool);
     return status;
 }

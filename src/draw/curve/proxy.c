@@ -242,27 +242,20 @@ static bat_status add_hyperboloids(proxy *made, const bat_curve_picture_panel *p
     return status;
 }
 
-static bat_status add_all(proxy *made, const bat_curve_picture_panel *panel, const bat_curve_picture_options *options,
-                          bat_error *error)
-{
-    view_space shown = view_space_of(panel->layers[0].curve->space);
-    made->space = shown == VIEW_ROTATION ? bat_sphere(2) : shown == VIEW_RIGID ? bat_euclidean(3) : bat_disk();
-    if (shown == VIEW_ROTATION)
-        return add_rotations(made, panel, options, error);
-    return shown == VIEW_RIGID ? add_motions(made, panel, options, error) : add_hyperboloids(made, panel, error);
-}
-
 bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
                       bat_error *error)
 {
     size_t max_count = panel->layer_count * MAX_CURVES;
-    *made = (proxy){0};
+    view_space shown = view_space_of(panel->layers[0].curve->space);
+    *made = (proxy){.space = shown == VIEW_ROTATION ? bat_sphere(2) : shown == VIEW_RIGID ? bat_euclidean(3) : bat_disk()};
     made->curves = memory_pool_array(&made->pool, max_count, sizeof *made->curves);
     made->layers = memory_pool_array(&made->pool, max_count, sizeof *made->layers);
     made->lines = memory_pool_array(&made->pool, max_count, sizeof *made->lines);
     bat_status status = memory_pool_check(&made->pool, error);
     if (status == BAT_OK)
-        status = add_all(made, panel, options, error);
+        status = shown == VIEW_ROTATION ? add_rotations(made, panel, options, error)
+                 : shown == VIEW_RIGID  ? add_motions(made, panel, options, error)
+                                        : add_hyperboloids(made, panel, error);
     for (size_t i = 0; i < made->count; i++)
         made->layers[i].curve = &made->curves[i];
     made->panel = (bat_curve_picture_panel){.layers = made->layers, .layer_count = made->count, .title = panel->title};

@@ -313,9 +313,16 @@ static void summarize(scene_panel *panel)
     }
 }
 
-static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_error *error)
+bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
+                         scene *made, bat_error *error)
 {
-    bat_status status = BAT_OK;
+    bat_status status = bat_options_check(&bat_curve_picture_fields, options, error);
+    if (status != BAT_OK)
+        return status;
+    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, MIN_PANEL)};
+    made->rows = (count + made->columns - 1) / made->columns;
+    if (array_zeros(&made->panels, count, sizeof *made->panels, error) != BAT_OK)
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < made->count && status == BAT_OK; i++)
     {
         scene_panel *panel = &made->panels[i];
@@ -332,20 +339,6 @@ static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_e
     }
     for (size_t i = 0; i < made->count && status == BAT_OK; i++)
         status = set_frame(made, i, error);
-    return status;
-}
-
-bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
-                         scene *made, bat_error *error)
-{
-    bat_status status = bat_options_check(&bat_curve_picture_fields, options, error);
-    if (status != BAT_OK)
-        return status;
-    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, MIN_PANEL)};
-    made->rows = (count + made->columns - 1) / made->columns;
-    if (array_zeros(&made->panels, count, sizeof *made->panels, error) != BAT_OK)
-        return BAT_NO_MEMORY;
-    status = fill(made, panels, error);
     if (status != BAT_OK)
         scene_free(made);
     return status;

@@ -1,7 +1,5 @@
 #include "draw/curve/scene.h"
 
-#include "base/error.h"
-
 /// @file
 /// Strokes through a path simplifier, and coverage masks for lines that remain too long.
 

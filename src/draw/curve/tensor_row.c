@@ -157,19 +157,7 @@ static void trace_front(cairo_t *cairo, const double *a, const double *b, double
     }
 }
 
-/// Draw the principal axes of an ellipse, or the principal ellipses of an ellipsoid.
-static void trace_inside(cairo_t *cairo, const ellipsoid *drawn, double scale, double x, double y)
-{
-    for (size_t k = 0; k < drawn->side; k++)
-    {
-        const double *a = drawn->axes[k];
-        if (drawn->side == 2)
-            style_segment(cairo, x - scale * a[0], y + scale * a[1], x + scale * a[0], y - scale * a[1]);
-        else
-            trace_front(cairo, a, drawn->axes[(k + 1) % 3], scale, x, y);
-    }
-}
-
+/// Draw an ellipse with its principal axes, or an ellipsoid with its principal ellipses.
 static void draw_ellipsoid(cairo_t *cairo, const ellipsoid *drawn, bool given, double scale, double x, double y,
                            draw_colour colour)
 {
@@ -178,36 +166,38 @@ static void draw_ellipsoid(cairo_t *cairo, const ellipsoid *drawn, bool given, d
     outline_of(drawn, root);
     fill_outline(cairo, root, scale, x, y, colour);
     style_stroke(cairo, (line_style){rim, given ? 1.3 : 0.7, 0.0, 0.0});
-    trace_inside(cairo, drawn, scale, x, y);
-    style_stroke(cairo, (line_style){style_mix(rim, colour, 0.6), given ? 0.6 : 0.4, 0.0, 0.0});
-}
-
-static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_panel *panel, size_t layer, bat_error *error)
-{
-    const bat_curve *curve = panel->source->layers[layer].curve;
-    const scene_frame *frame = &panel->frame;
-    double y = view_y(view, -ROW_SPACING * (double)layer);
-    size_t edges = curve->closed ? curve->count : curve->count - 1;
-    for (size_t k = 0; k < shown_of(curve, frame->tensor_columns); k++)
+    for (size_t k = 0; k < drawn->side; k++)
     {
-        size_t index = shown_index(curve, frame->tensor_columns, k);
-        double share = edges > 0 ? (double)index / (double)edges : 0.5; // of the way along the curve
-        ellipsoid drawn;
-        bat_status status = ellipsoid_of(curve, index, frame->tensor_unit, &drawn, error);
-        if (status != BAT_OK)
-            return status;
-        turn(view, &drawn);
-        draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_CURVE_LAYER_ROLE_CONTROL, view->scale,
-                       view_x(view, COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) * share), y,
-                       shade_of(panel->source, layer, share));
+        const double *a = drawn->axes[k];
+        if (drawn->side == 2)
+            style_segment(cairo, x - scale * a[0], y + scale * a[1], x + scale * a[0], y - scale * a[1]);
+        else
+            trace_front(cairo, a, drawn->axes[(k + 1) % 3], scale, x, y);
     }
-    return BAT_OK;
+    style_stroke(cairo, (line_style){style_mix(rim, colour, 0.6), given ? 0.6 : 0.4, 0.0, 0.0});
 }
 
 bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
 {
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < panel->source->layer_count && status == BAT_OK; i++)
-        status = draw_row(cairo, view, panel, i, error);
-    return status;
+    const scene_frame *frame = &panel->frame;
+    for (size_t layer = 0; layer < panel->source->layer_count; layer++)
+    {
+        const bat_curve *curve = panel->source->layers[layer].curve;
+        double y = view_y(view, -ROW_SPACING * (double)layer);
+        size_t edges = curve->closed ? curve->count : curve->count - 1;
+        for (size_t k = 0; k < shown_of(curve, frame->tensor_columns); k++)
+        {
+            size_t index = shown_index(curve, frame->tensor_columns, k);
+            double share = edges > 0 ? (double)index / (double)edges : 0.5; // of the way along the curve
+            ellipsoid drawn;
+            bat_status status = ellipsoid_of(curve, index, frame->tensor_unit, &drawn, error);
+            if (status != BAT_OK)
+                return status;
+            turn(view, &drawn);
+            draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_CURVE_LAYER_ROLE_CONTROL, view->scale,
+                           view_x(view, COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) * share), y,
+                           shade_of(panel->source, layer, share));
+        }
+    }
+    return BAT_OK;
 }

@@ -1,5 +1,4 @@
 #include "base/choice.h"
-#include "base/error.h"
 #include "draw/surface/scene.h"
 #include "linalg/vector.h"
 

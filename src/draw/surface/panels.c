@@ -1,6 +1,5 @@
 #include "draw/surface/scene.h"
 
-#include "base/error.h"
 #include "draw/common/sheet.h"
 
 /// @file

@@ -19,18 +19,6 @@
 #define DEEP_SHARE 1.5
 #define LEAN_SHARE 0.15
 
-/// The integral of the normal over any surface bounded by the loop.
-static void vector_area(const patch_points *patch, const double middle[3], double area[3])
-{
-    area[0] = area[1] = area[2] = 0;
-    for (size_t i = 0; i < patch->loop_count; i++)
-    {
-        double product[3];
-        vector3_triangle(middle, patch->points + 3 * i, patch->points + 3 * ((i + 1) % patch->loop_count), product);
-        vector_add(3, 0.5, product, area);
-    }
-}
-
 /// Orient the normal to the side where the patch bulges.
 static void face_bulge(const patch_points *patch, const double bulge[3], double size, double normal[3])
 {
@@ -60,7 +48,13 @@ static void find_normal(const patch_points *patch, double normal[3])
     local_plane all = local_plane_fit_all(patch->points, patch->count);
     local_plane loop = local_plane_fit_all(patch->points, patch->loop_count);
     double bulge[3];
-    vector_area(patch, loop.centre, normal);
+    normal[0] = normal[1] = normal[2] = 0; // its integral over any surface bounded by the loop
+    for (size_t i = 0; i < patch->loop_count; i++)
+    {
+        double product[3];
+        vector3_triangle(loop.centre, patch->points + 3 * i, patch->points + 3 * ((i + 1) % patch->loop_count), product);
+        vector_add(3, 0.5, product, normal);
+    }
     // A flat rectangle has variances side^2 / 12.
     double flat = 12 * sqrt(all.variance[0]) * sqrt(all.variance[1]);
     if (vector3_length(normal) < OPEN_SHARE * flat || !vector3_normalize(normal))
