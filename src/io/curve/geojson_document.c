@@ -110,15 +110,20 @@ static void place_of_curve(const void *content, size_t curve, char *text, size_t
     geojson_append_place(text, size, "ring", polygons ? origin->ring : BAT_NO_INDEX);
 }
 
-/// The polygon and the feature of each curve, for bat_curve_set_polygon(). False when out of memory.
-static bool keep_rings(const geojson_document *document, bat_curve_attributes *attributes)
+bool geojson_document_keep(geojson_document *document, bat_curve_attributes *attributes)
 {
     size_t count = 0;
     for (size_t i = 0; i < document->feature_count; i++)
         count += document->features[i].curve_count;
     curve_ring *rings = malloc((count + 1) * sizeof *rings);
-    if (rings == NULL)
+    geojson_document *kept = malloc(sizeof *kept);
+    if (rings == NULL || kept == NULL)
+    {
+        free(rings);
+        free(kept);
         return false;
+    }
+    // The polygon and the feature of each curve, for bat_curve_set_polygon().
     for (size_t i = 0; i < count; i++)
         rings[i] = (curve_ring){BAT_NO_INDEX, BAT_NO_INDEX};
     for (size_t i = 0; i < document->feature_count; i++)
@@ -138,17 +143,6 @@ static bool keep_rings(const geojson_document *document, bat_curve_attributes *a
     }
     attributes->rings = rings;
     attributes->ring_count = count;
-    return true;
-}
-
-bool geojson_document_keep(geojson_document *document, bat_curve_attributes *attributes)
-{
-    geojson_document *kept = malloc(sizeof *kept);
-    if (kept == NULL || !keep_rings(document, attributes))
-    {
-        free(kept);
-        return false;
-    }
     *kept = *document;
     *document = (geojson_document){0};
     attributes->remainder = (file_remainder){kept, free_content, line_of_feature, place_of_curve};

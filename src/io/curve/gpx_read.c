@@ -528,17 +528,6 @@ static void XMLCALL on_declaration(void *context, const XML_Char *version, const
     text_append_string(&((gpx_reader *)context)->source->frame, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
 }
 
-static bat_status parse(gpx_reader *reader, const file_text *text)
-{
-    bat_status status = xml_begin(&reader->xml, NULL, on_begin, on_end);
-    if (status != BAT_OK)
-        return status;
-    XML_SetCharacterDataHandler(reader->xml.parser, on_text);
-    XML_SetDefaultHandler(reader->xml.parser, on_raw);
-    XML_SetXmlDeclHandler(reader->xml.parser, on_declaration);
-    return xml_text(&reader->xml, text);
-}
-
 /// Choose the space: longitudes and latitudes on the sphere, or as numbers of the plane.
 static bat_status choose_space(const bat_curve_read_options *options, bat_space *space, bat_error *error)
 {
@@ -622,7 +611,14 @@ bat_status gpx_read(const file_text *text, const bat_curve_read_options *options
         status = choose_space(options, &reader->builder.space, error);
     }
     if (status == BAT_OK)
-        status = parse(reader, text);
+        status = xml_begin(&reader->xml, NULL, on_begin, on_end);
+    if (status == BAT_OK)
+    {
+        XML_SetCharacterDataHandler(reader->xml.parser, on_text);
+        XML_SetDefaultHandler(reader->xml.parser, on_raw);
+        XML_SetXmlDeclHandler(reader->xml.parser, on_declaration);
+        status = xml_text(&reader->xml, text);
+    }
     if (status == BAT_OK && reader->builder.curve_count == 0)
         status = ERROR_FILE(error, 0, "there are no lines or polygons%s",
                             source->waypoints > 0 ? ", only waypoints" : ": no track or route has two points");

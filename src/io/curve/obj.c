@@ -221,20 +221,13 @@ static bat_status format_elements(const void *context BAT_UNUSED, const row_span
     return BAT_OK; // the sink reports a lack of memory
 }
 
-static bat_status check_curves(const bat_curve_set *set, bat_error *error)
+bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
     if (set->space->point_dim != 2 && set->space->point_dim != 3)
         return ERROR_UNSUPPORTED(error, 0, "OBJ cannot hold points of %zu coordinates", set->space->point_dim);
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].count < 2)
             return error_set(error, BAT_UNSUPPORTED, i, 0, "OBJ cannot hold curve %zu, which has a single point", i);
-    return BAT_OK;
-}
-
-bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
-{
-    bat_status status = check_curves(set, error);
-    if (status == BAT_OK)
-        status = rows_write(set, sink, options->threads, format_vertices, NULL, error);
+    bat_status status = rows_write(set, sink, options->threads, format_vertices, NULL, error);
     return status == BAT_OK ? rows_write(set, sink, options->threads, format_elements, NULL, error) : status;
 }

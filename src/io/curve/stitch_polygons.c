@@ -303,17 +303,6 @@ static void cancel_all(stitch_edges *edges, seam_pieces *pieces)
     }
 }
 
-static bool allocate(stitch_edges *edges)
-{
-    size_t rings = edges->geometry->count, polygons = edges->geometry->polygon_count;
-    edges->rings = memory_pool_zeros(&edges->pool, rings + 1, sizeof *edges->rings);
-    edges->groups = memory_pool_array(&edges->pool, polygons, sizeof *edges->groups);
-    edges->changed = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->changed);
-    edges->north = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->north);
-    edges->south = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->south);
-    return edges->pool.missing == 0;
-}
-
 /// Degrees by which a closure over a pole may end short of the seam: a kilometre on the equator, nothing at the pole.
 static const double MAX_GAP = 1e-2;
 
@@ -380,9 +369,14 @@ static bool stitch_edges_make(const stitch_geometry *geometry, const double *deg
                               stitch_edges *edges)
 {
     *edges = (stitch_edges){.geometry = geometry, .tolerance = tolerance};
-    if (!allocate(edges))
+    size_t polygons = geometry->polygon_count, point = 0, ring = 0;
+    edges->rings = memory_pool_zeros(&edges->pool, geometry->count + 1, sizeof *edges->rings);
+    edges->groups = memory_pool_array(&edges->pool, polygons, sizeof *edges->groups);
+    edges->changed = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->changed);
+    edges->north = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->north);
+    edges->south = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->south);
+    if (edges->pool.missing > 0)
         return false;
-    size_t point = 0, ring = 0;
     for (size_t i = 0; i < geometry->polygon_count; i++)
     {
         edges->groups[i] = i;
@@ -634,26 +628,8 @@ static bool collect(const stitch_edges *edges, const traced_ring *ring, stitch_p
     } while (at != ring->first);
     if (!edges->rings[ring->given].reversed)
         return true;
-    for (size_t i = 1, j = path->count - 1; i < j; i++, j--)
-        SWAP(path->vertices[i], path->vertices[j]);
-    return true;
-}
-
-/// Append one ring of a group. A given ring is moved when everything has been made; until then its curve is empty here.
-static bool make_ring(polygon_job *job, const traced_ring *ring, stitch_path *path, stitch_geometry *made,
-                      stitch_report *report)
-{
-    const stitch_edges *edges = &job->edges;
-    made->origins[made->count] = (stitch_origin){.part = ring->given};
-    bat_curve *curve = &made->curves[made->count];
-    if (ring->first != BAT_NO_INDEX)
-    {
-        if (!collect(edges, ring, path))
-            return false;
-        if (!stitch_make_curve(path, true, edges->tolerance, &report->removed, curve))
-            return false;
-    }
-    made->count++;
+    for (size_t i = 1, j = path->count; i + 1 < j; i++, j--)
+        SWAP(path->vertices[i], path->vertices[j - 1]);
     return true;
 }
 
@@ -661,9 +637,16 @@ static bool make_group(polygon_job *job, size_t begin, size_t count, stitch_path
                        stitch_report *report)
 {
     const traced_ring *rings = job->rings + begin;
-    for (size_t i = 0; i < count; i++)
-        if (!make_ring(job, &rings[i], path, made, report))
+    const stitch_edges *edges = &job->edges;
+    for (size_t i = 0; i < count; i++, made->count++)
+    {
+        made->origins[made->count] = (stitch_origin){.part = rings[i].given};
+        if (rings[i].first == BAT_NO_INDEX)
+            continue; // a given ring, whose curve stays empty until everything has been made
+        if (!collect(edges, &rings[i], path) ||
+            !stitch_make_curve(path, true, edges->tolerance, &report->removed, &made->curves[made->count]))
             return false;
+    }
     made->polygons[made->polygon_count++] = (stitch_polygon){count, pole_of(&job->edges, rings, count)};
     report->poles += rings[0].winding != 0;
     return true;

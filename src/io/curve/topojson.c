@@ -319,16 +319,6 @@ typedef struct topology_writer
     bat_error *error;
 } topology_writer;
 
-/// Append a position to the current line. False when out of memory.
-static bool add_position(topology_writer *writer, const json_t *position)
-{
-    size_t size = json_array_size(position), count = size < writer->numbers ? size : writer->numbers;
-    topology_point point = {.count = (double)count};
-    for (size_t i = 0; i < count; i++)
-        point.numbers[i] = json_number_value(json_array_get(position, i)) + 0.0; // no -0
-    return ARRAY_ADD(writer->points, writer->point_capacity, writer->point_count, point);
-}
-
 static bool add_line(topology_writer *writer, const json_t *positions, bool ring)
 {
     size_t count = json_array_size(positions);
@@ -336,7 +326,14 @@ static bool add_line(topology_writer *writer, const json_t *positions, bool ring
     line.count -= line.ring; // its last position repeats the first
     bool done = true;
     for (size_t i = 0; i < line.count && done; i++)
-        done = add_position(writer, json_array_get(positions, i));
+    {
+        const json_t *position = json_array_get(positions, i);
+        size_t size = json_array_size(position), numbers = size < writer->numbers ? size : writer->numbers;
+        topology_point point = {.count = (double)numbers};
+        for (size_t k = 0; k < numbers; k++)
+            point.numbers[k] = json_number_value(json_array_get(position, k)) + 0.0; // no -0
+        done = ARRAY_ADD(writer->points, writer->point_capacity, writer->point_count, point);
+    }
     return done && ARRAY_ADD(writer->lines, writer->line_capacity, writer->line_count, line);
 }
 

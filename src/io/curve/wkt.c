@@ -248,10 +248,9 @@ static bat_status read_geometry(wkt_scanner *scan, size_t depth, text_buffer *ge
     return status;
 }
 
-/// Read "SRID=4326;" where it is there.
-static bat_status read_srid(wkt_scanner *scan)
+bat_status wkt_scan_geometry(wkt_scanner *scan, text_buffer *geojson)
 {
-    int srid = 0;
+    int srid = 0; // of "SRID=4326;" before the geometry
     bool named = take_word(scan, "SRID");
     if (named && !take(scan, '='))
         return wkt_fault(scan, "'=' is expected");
@@ -263,13 +262,7 @@ static bat_status read_srid(wkt_scanner *scan)
         return wkt_fault(scan, "the geometry has the SRID %d (0: none), those before it %d", srid, scan->made.srid);
     scan->begun = true;
     scan->made.srid = srid;
-    return BAT_OK;
-}
-
-bat_status wkt_scan_geometry(wkt_scanner *scan, text_buffer *geojson)
-{
-    bat_status status = read_srid(scan);
-    return status == BAT_OK ? read_geometry(scan, 0, geojson) : status;
+    return read_geometry(scan, 0, geojson);
 }
 
 bat_status wkt_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)

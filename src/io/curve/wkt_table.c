@@ -76,18 +76,6 @@ static bool next_row(table_scan *scan)
     return true;
 }
 
-/// The column of the last row that has a geometry; BAT_NO_INDEX for none.
-static size_t geometry_column(const table_scan *scan)
-{
-    for (size_t i = 0; i < scan->count; i++)
-    {
-        const table_field *field = &scan->fields[i];
-        if (wkt_begins(field->begin, field->end) || wkb_begins(field->begin, field->end))
-            return i;
-    }
-    return BAT_NO_INDEX;
-}
-
 /// Find the column of geometries in the first rows; BAT_NO_INDEX for none.
 static bat_status find_column(const file_text *text, size_t *column, bool *named, bat_error *error)
 {
@@ -97,8 +85,10 @@ static bat_status find_column(const file_text *text, size_t *column, bool *named
     *named = false;
     for (size_t row = 0; row < FIRST_ROWS && *column == BAT_NO_INDEX && next_row(&scan); row++)
     {
-        *column = geometry_column(&scan);
         *named = row > 0;
+        for (size_t i = 0; i < scan.count && *column == BAT_NO_INDEX; i++)
+            if (wkt_begins(scan.fields[i].begin, scan.fields[i].end) || wkb_begins(scan.fields[i].begin, scan.fields[i].end))
+                *column = i;
     }
     bat_status status = scan.failed ? error_memory(error, scan.count * sizeof *scan.fields) : BAT_OK;
     free(scan.fields);
