@@ -290,9 +290,10 @@ static bat_status atomic_file_commit(atomic_file *file, bat_error *error)
     return reason == 0 ? BAT_OK : atomic_access_error(error, reason);
 }
 
-/// Remove what was written. Does nothing after a commit.
-static void atomic_file_abandon(atomic_file *file)
+bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error)
 {
+    if (status == BAT_OK)
+        return atomic_file_commit(file, error);
     if (file->stream != NULL)
     {
         (void)shut(file->stream);
@@ -304,13 +305,6 @@ static void atomic_file_abandon(atomic_file *file)
     if (file->temporary != NULL)
         (void)unlink(file->temporary);
     forget(file);
-}
-
-bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error)
-{
-    if (status == BAT_OK)
-        return atomic_file_commit(file, error);
-    atomic_file_abandon(file);
     return status;
 }
 

@@ -121,22 +121,14 @@ bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL
     return builder->label != BAT_MESH_NONE;
 }
 
-/// Store the label of the current face.
-static bool add_face_label(mesh_builder *builder)
-{
-    if (!builder->labelled)
-        return true;
-    if (!ARRAY_GROW(builder->mesh.face_labels, builder->face_label_capacity, builder->mesh.face_count + 1))
-        return false;
-    builder->mesh.face_labels[builder->mesh.face_count] = builder->label;
-    return true;
-}
-
 bool mesh_builder_end_face(mesh_builder *builder, uint32_t size)
 {
     size_t face = builder->mesh.face_count;
-    if (!ARRAY_GROW(builder->mesh.offsets, builder->offset_capacity, face + 2) || !add_face_label(builder))
+    if (!ARRAY_GROW(builder->mesh.offsets, builder->offset_capacity, face + 2) ||
+        (builder->labelled && !ARRAY_GROW(builder->mesh.face_labels, builder->face_label_capacity, face + 1)))
         return false;
+    if (builder->labelled)
+        builder->mesh.face_labels[face] = builder->label;
     builder->mesh.offsets[0] = 0;
     builder->mesh.offsets[face + 1] = builder->mesh.offsets[face] + size;
     builder->mesh.face_count++;

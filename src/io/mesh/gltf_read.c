@@ -352,27 +352,18 @@ static bat_status note_all(const gltf_reader *reader, bat_error *error)
     return status;
 }
 
-static bat_status read_files(gltf_reader *reader, bat_error *error)
-{
-    label_name files = name_of(json_object_get(reader->document.root, "extras"), "material_files");
-    if (files.begin != NULL)
-        reader->builder.mesh.material_files = label_name_copy(files);
-    return files.begin == NULL || reader->builder.mesh.material_files != NULL
-               ? BAT_OK
-               : mesh_builder_no_memory(&reader->builder, error);
-}
-
 static bat_status read_scene(gltf_reader *reader, bat_error *error)
 {
     gltf_instance *instances = NULL;
     size_t count = 0;
     bat_mesh_notes *notes = reader->options->notes;
+    label_name files = name_of(json_object_get(reader->document.root, "extras"), "material_files");
     bat_status status = gltf_instances_find(&reader->document, &instances, &count, notes, error);
     if (status == BAT_OK)
         status = gltf_materials_read(&reader->document, &reader->materials, &reader->material_count,
                                      &reader->builder.mesh.material_json, notes, error);
-    if (status == BAT_OK)
-        status = read_files(reader, error);
+    if (status == BAT_OK && files.begin != NULL && (reader->builder.mesh.material_files = label_name_copy(files)) == NULL)
+        status = mesh_builder_no_memory(&reader->builder, error);
     if (status == BAT_OK)
         status = plan_colours(reader, instances, count, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)

@@ -213,16 +213,6 @@ static bat_status push_roots(scene_walk *walk, const double identity[MATRIX], ba
     return status;
 }
 
-/// Every mesh once, for a file without nodes.
-static bat_status add_all_meshes(scene_walk *walk, const double identity[MATRIX], bat_error *error)
-{
-    const json_t *meshes;
-    bat_status status = gltf_array(walk->document->root, "meshes", (gltf_place){"the file", SIZE_MAX}, &meshes, error);
-    for (size_t i = 0; i < json_array_size(meshes) && status == BAT_OK; i++)
-        status = add_instance(walk, SIZE_MAX, i, identity, error);
-    return status;
-}
-
 bat_status gltf_instances_find(const gltf_document *document, gltf_instance **instances, size_t *count,
                                bat_mesh_notes *notes, bat_error *error)
 {
@@ -230,8 +220,11 @@ bat_status gltf_instances_find(const gltf_document *document, gltf_instance **in
     size_t nodes = json_array_size(json_object_get(document->root, "nodes"));
     scene_walk walk = {.document = document, .visited = calloc(nodes + 1, 1), .notes = notes};
     bat_status status = walk.visited != NULL ? BAT_OK : error_memory(error, nodes);
+    const json_t *meshes = NULL; // each once, for a file without nodes
     if (status == BAT_OK && nodes == 0)
-        status = add_all_meshes(&walk, identity, error);
+        status = gltf_array(document->root, "meshes", (gltf_place){"the file", SIZE_MAX}, &meshes, error);
+    for (size_t i = 0; i < json_array_size(meshes) && status == BAT_OK; i++)
+        status = add_instance(&walk, SIZE_MAX, i, identity, error);
     if (status == BAT_OK && nodes > 0)
         status = push_roots(&walk, identity, error);
     while (status == BAT_OK && walk.stack_count > 0)

@@ -89,16 +89,6 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
                : error_memory(error, header->element_count * sizeof element);
 }
 
-static bat_status add_property(ply_element *element, ply_property property, const word_scan *scan, bat_error *error)
-{
-    for (size_t i = 0; i < element->property_count; i++)
-        if (label_names_equal(element->properties[i].name, property.name))
-            return ERROR_FILE(error, scan->line, "the property's name is used already");
-    return ARRAY_ADD(element->properties, element->property_capacity, element->property_count, property)
-               ? BAT_OK
-               : error_memory(error, element->property_count * sizeof property);
-}
-
 static bat_status read_property(word_scan *scan, ply_header *header, bat_error *error)
 {
     if (header->element_count == 0)
@@ -114,7 +104,13 @@ static bat_status read_property(word_scan *scan, ply_header *header, bat_error *
     property.name = next_name(scan);
     if (property.name.size == 0)
         return scan_word_fault(scan, BAT_NO_INDEX, "was found where the property's name is expected", error);
-    return add_property(&header->elements[header->element_count - 1], property, scan, error);
+    ply_element *element = &header->elements[header->element_count - 1];
+    for (size_t i = 0; i < element->property_count; i++)
+        if (label_names_equal(element->properties[i].name, property.name))
+            return ERROR_FILE(error, scan->line, "the property's name is used already");
+    return ARRAY_ADD(element->properties, element->property_capacity, element->property_count, property)
+               ? BAT_OK
+               : error_memory(error, element->property_count * sizeof property);
 }
 
 /// Read a header line after the format; `done` is set at the last one.
