@@ -43,10 +43,14 @@ static bat_status check_cells(const surface_box *boxes, size_t count, size_t fun
     return BAT_OK;
 }
 
-/// Convert boxes to cells to refine, `shift` levels below their own. Boxes of level 0 refine nothing.
-static size_t boxes_to_refine(const surface_box *boxes, size_t count, unsigned shift, bat_spline_box *refine)
+/// Make a space with cells refined, `shift` levels below those of the boxes. Boxes of level 0 refine nothing.
+static bat_status make_refined(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
+                               unsigned shift, bat_hierarchical_space **space, bat_error *error)
 {
     size_t made = 0;
+    bat_spline_box *refine = memory_array(count, sizeof *refine);
+    if (refine == NULL)
+        return error_memory(error, count * sizeof *refine);
     for (size_t i = 0; i < count; i++)
     {
         const surface_box *box = &boxes[i];
@@ -60,16 +64,6 @@ static size_t boxes_to_refine(const surface_box *boxes, size_t count, unsigned s
             to->high[d] = (uint32_t)((box->high[d] + shift) >> shift);
         }
     }
-    return made;
-}
-
-static bat_status make_refined(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
-                               unsigned shift, bat_hierarchical_space **space, bat_error *error)
-{
-    bat_spline_box *refine = memory_array(count, sizeof *refine);
-    if (refine == NULL)
-        return error_memory(error, count * sizeof *refine);
-    size_t made = boxes_to_refine(boxes, count, shift, refine);
     bat_hierarchical_space *refined = NULL;
     bat_status status = bat_hierarchical_space_make(options, &refined, error);
     if (status == BAT_OK && made > 0)

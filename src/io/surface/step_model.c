@@ -163,20 +163,7 @@ void shell_free(surface_shell *shell)
 
 // Geometry
 
-/// The rectangle of a patch on the grid of the finest level.
-static shell_face face_of(const tensor_surface *patch, const bat_hierarchical_options *options, size_t finest)
-{
-    shell_face face;
-    for (int d = 0; d < 2; d++)
-    {
-        const bat_knot_vector *knots = &patch->knots[d];
-        double cells = ldexp((double)options->spans[d], (int)finest);
-        face.low[d] = (uint64_t)llround(knots->knots[knots->degree] * cells);
-        face.high[d] = (uint64_t)llround(knots->knots[knot_vector_functions(knots)] * cells);
-    }
-    return face;
-}
-
+/// Make a shell of the rectangles of the patches on the grid of the finest level.
 static bat_status make_shell(const bat_spline_surface *surface, step_model *model, size_t count, bat_error *error)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(surface->space);
@@ -185,7 +172,13 @@ static bat_status make_shell(const bat_spline_surface *surface, step_model *mode
     if (faces == NULL)
         return error_memory(error, count * sizeof *faces);
     for (size_t i = 0; i < count; i++)
-        faces[i] = face_of(&model->patches[i], &options, finest);
+        for (int d = 0; d < 2; d++)
+        {
+            const bat_knot_vector *knots = &model->patches[i].knots[d];
+            double cells = ldexp((double)options.spans[d], (int)finest);
+            faces[i].low[d] = (uint64_t)llround(knots->knots[knots->degree] * cells);
+            faces[i].high[d] = (uint64_t)llround(knots->knots[knot_vector_functions(knots)] * cells);
+        }
     bat_status status = shell_make(faces, count, &model->shell, error);
     free(faces);
     return status;

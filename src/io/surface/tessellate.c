@@ -234,30 +234,25 @@ static bat_status triangulate(const lattice *grid, surface_tessellation *made, b
     return BAT_OK;
 }
 
-/// The normal at a point slightly nearer to the centre of the square. Where it vanishes as well, use (0, 0, 1).
-static bat_status normal_inside(const bat_spline_surface *surface, const double parameter[2], double normal[3],
-                                bat_error *error)
-{
-    static const double step = 0x1p-20;
-    const double inside[2] = {parameter[0] + step * (0.5 - parameter[0]), parameter[1] + step * (0.5 - parameter[1])};
-    double values[9];
-    bat_status status = bat_spline_surface_evaluate(surface, inside, 1, 1, values, error);
-    if (status != BAT_OK)
-        return status;
-    set_normal(values + 3, normal);
-    if (vector_largest(3, normal) == 0)
-        normal[2] = 1;
-    return BAT_OK;
-}
-
-/// Replace zero normals, which occur where a side is collapsed to a point.
+/// Replace zero normals, which occur where a side is collapsed to a point, by those at points slightly nearer to the centre
+/// of the square. Where these vanish as well, use (0, 0, 1).
 static bat_status repair_normals(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
 {
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < made->vertex_count && status == BAT_OK; i++)
-        if (vector_largest(3, made->normals + 3 * i) == 0)
-            status = normal_inside(surface, made->parameters + 2 * i, made->normals + 3 * i, error);
-    return status;
+    static const double step = 0x1p-20;
+    for (size_t i = 0; i < made->vertex_count; i++)
+    {
+        const double *at = made->parameters + 2 * i,
+                     inside[2] = {at[0] + step * (0.5 - at[0]), at[1] + step * (0.5 - at[1])};
+        double *normal = made->normals + 3 * i, values[9];
+        if (vector_largest(3, normal) > 0)
+            continue;
+        bat_status status = bat_spline_surface_evaluate(surface, inside, 1, 1, values, error);
+        if (status != BAT_OK)
+            return status;
+        set_normal(values + 3, normal);
+        normal[2] = vector_largest(3, normal) > 0 ? normal[2] : 1;
+    }
+    return BAT_OK;
 }
 
 void tessellation_free(surface_tessellation *tessellation)

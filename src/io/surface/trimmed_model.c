@@ -54,19 +54,6 @@ char *model_real(char *out, double value, char letter)
     return out;
 }
 
-static bat_status refine_all(const bat_hierarchical_options *options, size_t levels, bat_hierarchical_space *space,
-                             bat_error *error)
-{
-    bat_status status = BAT_OK;
-    for (uint32_t level = 0; level + 1 < levels && status == BAT_OK; level++)
-    {
-        const bat_spline_box all = {
-            level, {0, 0}, {(uint32_t)(options->spans[0] << level), (uint32_t)(options->spans[1] << level)}};
-        status = bat_hierarchical_space_refine(space, &all, 1, error);
-    }
-    return status;
-}
-
 static bat_status make_surface(const bat_spline_surface *surface, tensor_surface *made, bat_error *error)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(surface->space);
@@ -80,8 +67,12 @@ static bat_status make_surface(const bat_spline_surface *surface, tensor_surface
     bat_hierarchical_space *fine = NULL;
     *made = (tensor_surface){.dimension = surface->dimension};
     bat_status status = hierarchical_space_copy(surface->space, &fine, error);
-    if (status == BAT_OK)
-        status = refine_all(&options, levels, fine, error);
+    for (uint32_t level = 0; level + 1 < levels && status == BAT_OK; level++)
+    {
+        const bat_spline_box all = {
+            level, {0, 0}, {(uint32_t)(options.spans[0] << level), (uint32_t)(options.spans[1] << level)}};
+        status = bat_hierarchical_space_refine(fine, &all, 1, error);
+    }
     for (int d = 0; d < 2 && status == BAT_OK; d++)
         status = knot_vector_uniform(options.degree[d], options.spans[d] << (levels - 1), &made->knots[d], error);
     if (status == BAT_OK)
