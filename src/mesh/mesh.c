@@ -171,21 +171,14 @@ static bat_status check_marks(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status check_labels(const bat_mesh *mesh, bat_error *error)
-{
-    for (size_t f = 0; mesh->face_labels != NULL && f < mesh->face_count; f++)
-        if (mesh->face_labels[f] >= mesh->label_count)
-            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has label %u, but there are %zu", f,
-                             mesh->face_labels[f], mesh->label_count);
-    return BAT_OK;
-}
-
 /// Check all but the faces: finite numbers, labels that exist, and creases and corners of existing vertices.
 static bat_status check_data(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = check_vertices(mesh, error);
-    if (status == BAT_OK)
-        status = check_labels(mesh, error);
+    for (size_t f = 0; mesh->face_labels != NULL && f < mesh->face_count && status == BAT_OK; f++)
+        if (mesh->face_labels[f] >= mesh->label_count)
+            status = error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has label %u, but there are %zu", f,
+                               mesh->face_labels[f], mesh->label_count);
     return status == BAT_OK ? check_marks(mesh, error) : status;
 }
 
@@ -201,22 +194,17 @@ bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error)
     return status == BAT_OK ? check_data(mesh, error) : status;
 }
 
-static bat_status check_degenerate(const bat_mesh *mesh, bat_error *error)
-{
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        const uint32_t *corner = mesh->faces + 3 * f;
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
-            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
-                             corner[0] == corner[1] ? corner[0] : corner[2]);
-    }
-    return BAT_OK;
-}
-
 bat_status mesh_check_triangles(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = mesh_check_except_degenerate(mesh, error);
-    return status == BAT_OK ? check_degenerate(mesh, error) : status;
+    for (size_t f = 0; f < mesh->face_count && status == BAT_OK; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+            status = error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
+                               corner[0] == corner[1] ? corner[0] : corner[2]);
+    }
+    return status;
 }
 
 bat_status mesh_check_coordinates(const bat_mesh *mesh, double most, bat_error *error)
@@ -269,12 +257,9 @@ bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
     bat_status status = check_counts(mesh, error);
     if (status == BAT_OK)
         status = check_offsets(mesh, error);
-    if (status != BAT_OK)
-        return status;
-    uint32_t *seen = memory_array(mesh->vertex_count, sizeof *seen);
-    if (seen == NULL)
-        return error_memory(error, mesh->vertex_count * sizeof *seen);
-    memset(seen, 0, mesh->vertex_count * sizeof *seen);
+    uint32_t *seen = NULL;
+    if (status == BAT_OK)
+        status = array_zeros(&seen, mesh->vertex_count, sizeof *seen, error);
     for (uint32_t f = 0; f < mesh->face_count && status == BAT_OK; f++)
         status = check_polygon(mesh, f, seen, error);
     free(seen);

@@ -45,18 +45,13 @@ static inline repair_edge repair_edge_of(const repair_work *work, uint32_t half_
     return a < b ? (repair_edge){a, b} : (repair_edge){b, a};
 }
 
-/// The corner with the smallest vertex of a face.
-static uint32_t smallest_corner(const repair_work *work, uint32_t face)
-{
-    const uint32_t *corner = work->faces + 3 * (size_t)face;
-    uint32_t smallest = corner[1] < corner[0] ? 1 : 0;
-    return corner[2] < corner[smallest] ? 2 : smallest;
-}
-
 /// The vertex that follows `steps` corners after the smallest vertex of a face.
 static uint32_t cyclic_vertex(const repair_work *work, uint32_t face, uint32_t steps)
 {
-    return work->faces[3 * (size_t)face + (smallest_corner(work, face) + steps) % 3];
+    const uint32_t *corner = work->faces + 3 * (size_t)face;
+    uint32_t smallest = corner[1] < corner[0] ? 1 : 0;
+    smallest = corner[2] < corner[smallest] ? 2 : smallest;
+    return corner[(smallest + steps) % 3];
 }
 
 static size_t first_vertex(const void *work, uint32_t face)
@@ -93,23 +88,6 @@ static void drop_degenerate(repair_work *work)
     }
 }
 
-/// Drop each face that equals its predecessor in the sorted order, which is stable: that one comes earlier in the mesh.
-static void drop_repeated(repair_work *work, const uint32_t *order, uint32_t *repeated)
-{
-    memset(repeated, 0, work->face_count * sizeof *repeated);
-    for (size_t i = 1; i < work->face_count; i++)
-        repeated[order[i]] = same_face(work, order[i - 1], order[i]);
-    size_t kept = 0;
-    for (size_t f = 0; f < work->face_count; f++)
-    {
-        if (repeated[f])
-            continue;
-        memmove(work->faces + 3 * kept, work->faces + 3 * f, 3 * sizeof *work->faces);
-        work->sources[kept++] = work->sources[f];
-    }
-    work->face_count = kept;
-}
-
 /// Step 1: drop faces with a vertex twice and faces that repeat an earlier one.
 static bool repair_drop_faces(repair_work *work, bat_mesh_repair_report *report)
 {
@@ -119,14 +97,25 @@ static bool repair_drop_faces(repair_work *work, bat_mesh_repair_report *report)
     size_t *starts = memory_array(keys + 1, sizeof *starts);
     if (starts == NULL)
         return false;
-    uint32_t *order = work->sorted, *other = work->twin; // used as workspace here
-    size_t count = work->face_count;
+    uint32_t *order = work->sorted, *other = work->twin, *repeated = work->twin; // used as workspace here
+    size_t count = work->face_count, kept = 0;
     counting_sort(NULL, count, third_vertex, work, keys, starts, order);
     counting_sort(order, count, second_vertex, work, keys, starts, other);
     counting_sort(other, count, first_vertex, work, keys, starts, order);
     free(starts);
-    drop_repeated(work, order, other);
-    report->duplicate_faces = count - work->face_count;
+    // The order is stable, so a face's predecessor in it comes earlier in the mesh.
+    memset(repeated, 0, count * sizeof *repeated);
+    for (size_t i = 1; i < count; i++)
+        repeated[order[i]] = same_face(work, order[i - 1], order[i]);
+    for (size_t f = 0; f < count; f++)
+    {
+        if (repeated[f])
+            continue;
+        memmove(work->faces + 3 * kept, work->faces + 3 * f, 3 * sizeof *work->faces);
+        work->sources[kept++] = work->sources[f];
+    }
+    work->face_count = kept;
+    report->duplicate_faces = count - kept;
     return true;
 }
 

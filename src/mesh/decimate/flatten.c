@@ -33,10 +33,14 @@ typedef struct flat_triangle
     double area;
 } flat_triangle;
 
-/// Lay out a triangle from its edge lengths, with ab on the real axis; the area follows by Kahan's formula. False for a
-/// triangle that is too flat.
-static bool unfold(double ab, double bc, double ca, flat_triangle *made)
+/// Lay out face k of a ring from its edge lengths, all increased by `added`, with ab on the real axis; the area follows by
+/// Kahan's formula. False for a triangle that is too flat.
+static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
+                        uint32_t *corners, flat_triangle *made)
 {
+    flat_corners(ring, k, after, corners);
+    const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+    double ab = vector3_distance(a, b) + added, bc = vector3_distance(b, c) + added, ca = vector3_distance(c, a) + added;
     double longest = fmax(ab, fmax(bc, ca)), shortest = fmin(ab, fmin(bc, ca));
     double middle = fmax(fmin(ab, bc), fmin(fmax(ab, bc), ca));
     double product = (longest + (middle + shortest)) * (shortest - (longest - middle)) * (shortest + (longest - middle)) *
@@ -49,15 +53,6 @@ static bool unfold(double ab, double bc, double ca, flat_triangle *made)
     double x = 0.5 * (ab + (ca - bc) * (ca + bc) / ab);
     *made = (flat_triangle){{{x - ab, height}, {-x, -height}, {ab, 0}}, area};
     return true;
-}
-
-/// Lay out face k of a ring, with all edge lengths increased by `added`.
-static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
-                        uint32_t *corners, flat_triangle *made)
-{
-    flat_corners(ring, k, after, corners);
-    const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
-    return unfold(vector3_distance(a, b) + added, vector3_distance(b, c) + added, vector3_distance(c, a) + added, made);
 }
 
 /// The length to add to all edges of a ring so that every face has a positive height (Sharp and Crane, "A Laplacian for

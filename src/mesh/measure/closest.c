@@ -197,17 +197,6 @@ static void fill_packet(const bat_mesh *mesh, closest_tree *tree, size_t p)
     }
 }
 
-/// Set box `lane` of a node to the union of the boxes of a child node.
-static void fill_box(closest_node *node, int lane, const closest_node *below)
-{
-    for (int i = 0; i < WIDTH; i++)
-    {
-        double low[3] = {below->low[0][i], below->low[1][i], below->low[2][i]};
-        double high[3] = {below->high[0][i], below->high[1][i], below->high[2][i]};
-        widen(node, lane, low, high);
-    }
-}
-
 /// Set the number of nodes and the first node of each level. Returns the number of all nodes.
 static size_t lay_out(closest_tree *tree, size_t packets)
 {
@@ -239,7 +228,13 @@ static void fill_nodes(const bat_mesh *mesh, closest_tree *tree, size_t packets,
         for (size_t n = tree->begin[level - 1]; n < tree->begin[level]; n++)
         {
             size_t child = n - tree->begin[level - 1];
-            fill_box(&tree->nodes[tree->begin[level] + child / WIDTH], (int)(child % WIDTH), &tree->nodes[n]);
+            const closest_node *below = &tree->nodes[n];
+            for (int i = 0; i < WIDTH; i++)
+            {
+                double low[3] = {below->low[0][i], below->low[1][i], below->low[2][i]};
+                double high[3] = {below->high[0][i], below->high[1][i], below->high[2][i]};
+                widen(&tree->nodes[tree->begin[level] + child / WIDTH], (int)(child % WIDTH), low, high);
+            }
         }
 }
 
@@ -581,30 +576,7 @@ static bat_status tree_for(const bat_mesh *mesh, const double *points, size_t co
     return closest_build(mesh, closest_largest(points, 3 * count, largest), tree, error);
 }
 
-/// Find the closest points, or only their distances where `closest` is null.
-static void find_block(const closest_tree *tree, const double *points, size_t count, bat_mesh_closest_point *closest,
-                       double *distances)
-{
-    uint32_t place = 0;
-    for (size_t i = 0; i < count; i++)
-    {
-        double distance = closest_find(tree, points + 3 * i, &place);
-        if (closest == NULL)
-        {
-            distances[i] = distance;
-            continue;
-        }
-        closest_hit hit = closest_point_at(tree, points + 3 * i, place);
-        closest[i] = (bat_mesh_closest_point){.at = {.face = hit.face}, .distance = hit.distance};
-        for (int k = 0; k < 3; k++)
-        {
-            closest[i].at.barycentric[k] = hit.barycentric[k];
-            closest[i].position[k] = hit.point[k];
-        }
-    }
-}
-
-/// Find the closest points or the distances of all points, which messages call `what`.
+/// Find the closest points of all points, which messages call `what`, or only their distances where `closest` is null.
 static bat_status find_all(const bat_mesh *mesh, const double *points, size_t count, const char *what, int threads,
                            bat_mesh_closest_point *closest, double *distances, bat_error *error)
 {
@@ -617,9 +589,21 @@ static bat_status find_all(const bat_mesh *mesh, const double *points, size_t co
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (size_t block = 0; block < blocks; block++)
     {
-        size_t begin = block * BLOCK, size = count - begin < BLOCK ? count - begin : BLOCK;
-        find_block(&tree, points + 3 * begin, size, closest != NULL ? closest + begin : NULL,
-                   distances != NULL ? distances + begin : NULL);
+        size_t begin = block * BLOCK, end = count - begin < BLOCK ? count : begin + BLOCK;
+        uint32_t place = 0;
+        for (size_t i = begin; i < end; i++)
+        {
+            double distance = closest_find(&tree, points + 3 * i, &place);
+            if (closest == NULL)
+            {
+                distances[i] = distance;
+                continue;
+            }
+            closest_hit hit = closest_point_at(&tree, points + 3 * i, place);
+            closest[i] = (bat_mesh_closest_point){.at = {.face = hit.face}, .distance = hit.distance};
+            memcpy(closest[i].at.barycentric, hit.barycentric, sizeof hit.barycentric);
+            memcpy(closest[i].position, hit.point, sizeof hit.point);
+        }
     }
     closest_free(&tree);
     return BAT_OK;

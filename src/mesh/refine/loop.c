@@ -32,12 +32,6 @@ static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge,
     return mesh_end(level->faces, half_edge);
 }
 
-/// The last neighbour of a boundary vertex, to which no half-edge of its fan leads.
-static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bool in_parent)
-{
-    return in_parent ? neighbour_at(level, bat_mesh_previous(last), true) : mesh_opposite(level->faces, last);
-}
-
 /// Compute a vertex. Its neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's level. A
 /// vertex without faces does not move. With `sharp` the vertex's rule is that of the sharp edges around it.
 static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp, bool in_parent, size_t dim)
@@ -60,10 +54,10 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
         h = bat_mesh_next_around(links, h);
     } while (h != BAT_MESH_NONE && h != first);
     uint32_t ends[2] = {vertex, vertex};
-    if (!sharp && h == BAT_MESH_NONE)
+    if (!sharp && h == BAT_MESH_NONE) // no half-edge of the fan leads to the last neighbour
     {
         ends[0] = neighbour_at(level, first, in_parent);
-        ends[1] = last_neighbour(level, last, in_parent);
+        ends[1] = in_parent ? neighbour_at(level, bat_mesh_previous(last), true) : mesh_opposite(level->faces, last);
     }
     mask_vertex(rows, vertex, sharp, h == BAT_MESH_NONE, valence, loop_smooth_mask, ends, dim);
 }

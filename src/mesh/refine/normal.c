@@ -17,29 +17,27 @@ typedef struct limit_job
     void (*inner)(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp);
 } limit_job;
 
-static void limit_row(const limit_job *job, uint32_t vertex)
-{
-    const mesh_rows *rows = job->rows;
-    size_t dim = rows->dim;
-    const double *from = rows->from + vertex * dim;
-    double *restrict to = rows->to + vertex * dim;
-    sharp_vertex sharp = {.kind = SHARP_CORNER};
-    if (rows->level->links->first[vertex] != BAT_MESH_NONE)
-        sharpness_around(rows->level, vertex, &sharp, NULL, NULL);
-    if (sharp.kind < SHARP_CREASE)
-    {
-        job->inner(rows, vertex, &sharp);
-        return;
-    }
-    const double *p = rows->from + sharp.ends[0] * dim, *q = rows->from + sharp.ends[1] * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = sharp.kind == SHARP_CORNER ? from[i] : (4 * from[i] + p[i] + q[i]) / 6;
-}
-
 static void limit_range(const void *context, size_t begin, size_t end)
 {
-    for (size_t v = begin; v < end; v++)
-        limit_row(context, (uint32_t)v);
+    const limit_job *job = context;
+    const mesh_rows *rows = job->rows;
+    size_t dim = rows->dim;
+    for (uint32_t v = (uint32_t)begin; v < end; v++)
+    {
+        const double *from = rows->from + v * dim;
+        double *restrict to = rows->to + v * dim;
+        sharp_vertex sharp = {.kind = SHARP_CORNER};
+        if (rows->level->links->first[v] != BAT_MESH_NONE)
+            sharpness_around(rows->level, v, &sharp, NULL, NULL);
+        if (sharp.kind < SHARP_CREASE)
+        {
+            job->inner(rows, v, &sharp);
+            continue;
+        }
+        const double *p = rows->from + sharp.ends[0] * dim, *q = rows->from + sharp.ends[1] * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] = sharp.kind == SHARP_CORNER ? from[i] : (4 * from[i] + p[i] + q[i]) / 6;
+    }
 }
 
 void limit_rows(const mesh_rows *rows, void (*inner)(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp),
@@ -201,19 +199,6 @@ static void apply_tangent(const normal_job *job, uint32_t vertex, uint32_t half_
     }
 }
 
-/// The normal of a dart. `room` holds 2 (1 + 2 valence) numbers.
-static void dart_normal(const normal_job *job, uint32_t vertex, uint32_t neighbour, double *room)
-{
-    unsigned valence = mesh_valence(job->level, vertex);
-    uint32_t h = mesh_half_edge_to(job->level, vertex, neighbour);
-    double along[3], across[3], *row = room, *rest = room + 1 + 2 * (size_t)valence;
-    find_tangent(job->rules, valence, 1, row, rest);
-    apply_tangent(job, vertex, h, valence, row, along);
-    find_tangent(job->rules, valence, -1, row, rest);
-    apply_tangent(job, vertex, h, valence, row, across);
-    vector3_cross(along, across, job->normals + 3 * (size_t)vertex);
-}
-
 /// Compute the normals at the darts, of which there are few.
 static bat_status dart_normals(const normal_job *job, bat_error *error)
 {
@@ -225,16 +210,23 @@ static bat_status dart_normals(const normal_job *job, bat_error *error)
             continue;
         // Inside the mesh, where darts are, every edge has a half-edge from either end.
         sharp_vertex sharp;
-        sharpness_around(level, level->faces[h], &sharp, NULL, NULL);
+        uint32_t vertex = level->faces[h];
+        sharpness_around(level, vertex, &sharp, NULL, NULL);
         if (sharp.kind != SHARP_DART)
             continue;
-        size_t size = 2 * (1 + 2 * (size_t)mesh_valence(level, level->faces[h]));
-        double *room = memory_array(size, sizeof *room);
-        if (room == NULL)
-            return error_memory(error, size * sizeof *room);
-        dart_normal(job, level->faces[h], sharp.ends[0], room);
-        finish_normal(job, level->faces[h]);
-        free(room);
+        unsigned valence = mesh_valence(level, vertex);
+        size_t size = 1 + 2 * (size_t)valence;
+        double along[3], across[3], *row = memory_array(size, 2 * sizeof *row);
+        if (row == NULL)
+            return error_memory(error, size * 2 * sizeof *row);
+        uint32_t first = mesh_half_edge_to(level, vertex, sharp.ends[0]);
+        find_tangent(job->rules, valence, 1, row, row + size);
+        apply_tangent(job, vertex, first, valence, row, along);
+        find_tangent(job->rules, valence, -1, row, row + size);
+        apply_tangent(job, vertex, first, valence, row, across);
+        vector3_cross(along, across, job->normals + 3 * (size_t)vertex);
+        finish_normal(job, vertex);
+        free(row);
     }
     return BAT_OK;
 }

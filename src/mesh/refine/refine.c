@@ -96,37 +96,6 @@ static void keep_faces(const mesh_level *level, const bool *marked, size_t level
     mesh_move_rows(fine->texture, texture, 2, numbers);
 }
 
-/// Leave out of a mesh, refined by one level or more, the faces that come from coarse faces with a vertex on a boundary that
-/// is not sharp for ever, as OpenSubdiv does under VTX_BOUNDARY_NONE. Vertices and texture coordinates of no other face go,
-/// too.
-/// @param level   the coarse mesh's faces and links
-/// @param sides   of the faces of `fine`, triangles or quads
-/// @param normals of the vertices of `fine`, from which the same vertices go; null for none
-/// @return BAT_OK; BAT_UNSUPPORTED where no face is left; BAT_NO_MEMORY; `fine` can be freed on failure
-static bat_status leave_out_boundary(const mesh_level *level, const bat_mesh *coarse, size_t levels, const mesh_sides *sides,
-                                     bat_mesh *fine, double *normals, bat_error *error)
-{
-    size_t rows = fine->vertex_count > fine->texture_count ? fine->vertex_count : fine->texture_count;
-    bool *marked = memory_array(coarse->vertex_count, sizeof *marked);
-    uint32_t *numbers = memory_array(rows, sizeof *numbers);
-    bat_status status = BAT_OK;
-    if (marked == NULL || numbers == NULL)
-        status = error_memory(error, rows * sizeof *numbers);
-    else
-    {
-        mark_boundary(level, coarse, marked);
-        keep_faces(level, marked, levels, sides->quads ? 4 : 3, fine, normals, numbers);
-        if (fine->face_count == 0)
-            status = error_remedy(
-                error,
-                ERROR_UNSUPPORTED(error, 0, "every face is at the boundary, and the boundary rule 'none' leaves those out"),
-                "rules.boundary", "edges keeps them");
-    }
-    free(marked);
-    free(numbers);
-    return status;
-}
-
 /// Find the connectivity of a mesh's texture. Two faces are neighbours where they share an edge of the mesh and both of its
 /// texture coordinates. Edges that separate faces only in the texture are seams; they are boundary edges of the texture.
 /// `first` remains null.
@@ -239,11 +208,9 @@ static bat_status find_irregular(refinement *work, bat_error *error)
         REGULAR_AT_BOUNDARY = 3
     };
     const bat_mesh *coarse = work->coarse;
-    uint32_t *irregular = memory_array(coarse->vertex_count, sizeof *irregular);
-    work->irregular = irregular;
-    if (irregular == NULL)
-        return error_memory(error, coarse->vertex_count * sizeof *irregular);
-    memset(irregular, 0, coarse->vertex_count * sizeof *irregular);
+    if (array_zeros(&work->irregular, coarse->vertex_count, sizeof *work->irregular, error) != BAT_OK)
+        return BAT_NO_MEMORY;
+    uint32_t *irregular = work->irregular;
     for (size_t i = 0; i < 3 * coarse->face_count; i++)
         irregular[coarse->faces[i]]++;
     for (size_t v = 0; v < coarse->vertex_count; v++)
@@ -498,12 +465,7 @@ static bat_status prepare(refinement *work, bat_error *error)
     bat_mesh_linear linear = work->plan->rules.linear;
     if (status == BAT_OK && coarse->texture_faces != NULL &&
         (linear == BAT_MESH_LINEAR_CORNERS_PLUS1 || linear == BAT_MESH_LINEAR_CORNERS_PLUS2))
-    {
-        work->dependent = memory_array(coarse->texture_count, sizeof *work->dependent);
-        if (work->dependent == NULL)
-            return error_memory(error, coarse->texture_count);
-        memset(work->dependent, 0, coarse->texture_count);
-    }
+        status = array_zeros(&work->dependent, coarse->texture_count, sizeof *work->dependent, error);
     if (status == BAT_OK && work->plan->learned_levels > 0 && work->plan->options.rule->bounded)
     {
         bool named =
@@ -559,15 +521,33 @@ static bat_status carry_labels(refinement *work, const mesh_sides *coarse_sides,
     return status;
 }
 
-/// Leave out the faces at the boundary of the coarse mesh, if the rules say so.
-static bat_status leave_out(refinement *work, const mesh_sides *coarse_sides, bat_error *error)
+/// Leave out, if the rules say so, the faces that come from coarse faces with a vertex on a boundary that is not sharp for
+/// ever, as OpenSubdiv does under VTX_BOUNDARY_NONE. Vertices and texture coordinates of no other face go, too.
+/// @return BAT_OK; BAT_UNSUPPORTED where no face is left; BAT_NO_MEMORY
+static bat_status leave_out_boundary(refinement *work, const mesh_sides *coarse_sides, bat_error *error)
 {
-    const mesh_plan *plan = work->plan;
-    if (plan->rules.boundary != BAT_MESH_BOUNDARY_NONE || work->links->boundary_edge_count == 0)
+    const bat_mesh *coarse = work->coarse;
+    bat_mesh *fine = &work->now.mesh;
+    if (work->plan->rules.boundary != BAT_MESH_BOUNDARY_NONE || work->links->boundary_edge_count == 0)
         return BAT_OK;
-    mesh_level level = {.faces = work->coarse->faces, .sides = *coarse_sides, .links = work->links};
-    return leave_out_boundary(&level, work->coarse, plan->options.levels, &work->now.sides, &work->now.mesh, work->normals,
-                              error);
+    mesh_level level = {.faces = coarse->faces, .sides = *coarse_sides, .links = work->links};
+    size_t rows = fine->vertex_count > fine->texture_count ? fine->vertex_count : fine->texture_count;
+    memory_pool pool = {0};
+    bool *marked = memory_pool_array(&pool, coarse->vertex_count, sizeof *marked);
+    uint32_t *numbers = memory_pool_array(&pool, rows, sizeof *numbers);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+    {
+        mark_boundary(&level, coarse, marked);
+        keep_faces(&level, marked, work->plan->options.levels, work->now.sides.quads ? 4 : 3, fine, work->normals, numbers);
+        if (fine->face_count == 0)
+            status = error_remedy(
+                error,
+                ERROR_UNSUPPORTED(error, 0, "every face is at the boundary, and the boundary rule 'none' leaves those out"),
+                "rules.boundary", "edges keeps them");
+    }
+    memory_pool_free(&pool);
+    return status;
 }
 
 /// Refine a mesh with known connectivity.
@@ -585,7 +565,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
     if (status == BAT_OK)
         status = carry_labels(&work, sides, error);
     if (status == BAT_OK)
-        status = leave_out(&work, sides, error);
+        status = leave_out_boundary(&work, sides, error);
     if (status == BAT_OK)
         status = channels_name(coarse, &work.now.mesh, error);
     if (status == BAT_OK)

@@ -244,27 +244,12 @@ bat_status bat_mesh_transfer(const bat_mesh_map *map, const bat_mesh *fine, bat_
 
 // Chains
 
-/// One mesh of a chain, from the one before.
-static bat_status make_level(const bat_mesh *fine, const bat_mesh *before, double share,
-                             const bat_mesh_decimate_options *options, bat_mesh *level, double *distance, bat_error *error)
-{
-    bat_mesh_decimate_options how = *options;
-    bat_mesh_distance measured = {0};
-    how.vertices = 0;
-    how.ratio = how.tolerance = 0;
-    how.faces = (size_t)fmax(1, round(share * (double)fine->face_count));
-    bat_status status = share < 1 ? bat_mesh_decimate(before, &how, level, NULL, error) : bat_mesh_copy(fine, level, error);
-    if (status == BAT_OK && share < 1 && distance != NULL)
-        status = bat_mesh_compare(level, fine, NULL, &measured, error);
-    if (status == BAT_OK && distance != NULL)
-        *distance = measured.hausdorff;
-    return status;
-}
-
 bat_status bat_mesh_lods(const bat_mesh *fine, const double *shares, size_t count, const bat_mesh_decimate_options *options,
                          bat_mesh *levels, double *distances, bat_error *error)
 {
-    const bat_mesh_decimate_options defaults = bat_mesh_decimate_defaults();
+    bat_mesh_decimate_options how = options != NULL ? *options : bat_mesh_decimate_defaults();
+    how.vertices = 0;
+    how.ratio = how.tolerance = 0;
     for (size_t i = 0; i < count; i++)
         if (!(shares[i] > 0 && shares[i] <= 1) || (i > 0 && shares[i] >= shares[i - 1]))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0,
@@ -273,8 +258,16 @@ bat_status bat_mesh_lods(const bat_mesh *fine, const double *shares, size_t coun
     bat_mesh *made = calloc(count + 1, sizeof *made);
     bat_status status = made != NULL ? BAT_OK : error_memory(error, count * sizeof *made);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-        status = make_level(fine, i > 0 ? &made[i - 1] : fine, shares[i], options != NULL ? options : &defaults, &made[i],
-                            distances != NULL ? &distances[i] : NULL, error);
+    {
+        bat_mesh_distance measured = {0};
+        how.faces = (size_t)fmax(1, round(shares[i] * (double)fine->face_count));
+        status = shares[i] < 1 ? bat_mesh_decimate(i > 0 ? &made[i - 1] : fine, &how, &made[i], NULL, error)
+                               : bat_mesh_copy(fine, &made[i], error);
+        if (status == BAT_OK && shares[i] < 1 && distances != NULL)
+            status = bat_mesh_compare(&made[i], fine, NULL, &measured, error);
+        if (status == BAT_OK && distances != NULL)
+            distances[i] = measured.hausdorff;
+    }
     for (size_t i = 0; i < count && made != NULL; i++)
         if (status == BAT_OK)
             levels[i] = made[i];
