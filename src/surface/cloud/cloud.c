@@ -86,15 +86,6 @@ static bat_status check_boundary(const bat_cloud *cloud, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status check_triangles(const bat_cloud *cloud, bat_error *error)
-{
-    for (size_t i = 0; i < 3 * cloud->triangle_count; i++)
-        if (cloud->triangles[i] >= cloud->count)
-            return error_set(error, BAT_INVALID_ARGUMENT, i / 3, 0, "triangle %zu names point %u, but there are %zu", i / 3,
-                             cloud->triangles[i], cloud->count);
-    return BAT_OK;
-}
-
 bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
 {
     if (cloud->count == 0)
@@ -102,8 +93,10 @@ bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
     if (cloud->count >= BAT_MESH_NONE)
         return ERROR_TOO_LARGE(error, "the cloud has %zu points, more than %u", cloud->count, BAT_MESH_NONE - 1);
     bat_status status = check_boundary(cloud, error);
-    if (status == BAT_OK)
-        status = check_triangles(cloud, error);
+    for (size_t i = 0; i < 3 * cloud->triangle_count && status == BAT_OK; i++)
+        if (cloud->triangles[i] >= cloud->count)
+            status = error_set(error, BAT_INVALID_ARGUMENT, i / 3, 0, "triangle %zu names point %u, but there are %zu",
+                               i / 3, cloud->triangles[i], cloud->count);
     if (status == BAT_OK)
         status = check_finite(cloud, error);
     return status == BAT_OK ? check_distinct(cloud, error) : status;

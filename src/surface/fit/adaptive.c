@@ -235,23 +235,18 @@ static bat_status loop_make(const fit_team *team, const bat_surface_fit_data *da
     return status == BAT_OK ? team_largest(loop->points.team, &loop->size, 1, error) : status;
 }
 
-/// The fraction of work done: the logarithmic progress towards the budget, or the fraction of iterations.
-static double share_done(const fit_loop *loop)
+/// Report the fraction of work done: the logarithmic progress towards the budget, or the fraction of iterations. False to
+/// cancel. Serves as the progress callback of the search for lambda; its argument is ignored.
+static bool loop_report(void *context, double unused BAT_UNUSED)
 {
+    fit_loop *loop = context;
+    const bat_progress *progress = &loop->options->progress;
     double first = (double)(loop->count > 0 ? loop->rounds[0].functions : 1);
     double now = (double)bat_hierarchical_space_functions(loop->space);
     double share = (double)loop->count / ((double)loop->options->iterations + 1);
     if (loop->budget > 0 && (double)loop->budget > first && loop->count > 0)
         share = fmax(share, log(now / first) / log((double)loop->budget / first));
-    return fmin(share, 0.99);
-}
-
-/// Report progress; false to cancel. Serves as the progress callback of the search for lambda; its argument is ignored.
-static bool loop_report(void *context, double unused BAT_UNUSED)
-{
-    fit_loop *loop = context;
-    const bat_progress *progress = &loop->options->progress;
-    loop->reported = fmax(loop->reported, share_done(loop));
+    loop->reported = fmax(loop->reported, fmin(share, 0.99));
     return progress->report == NULL || progress->report(progress->context, loop->reported);
 }
 

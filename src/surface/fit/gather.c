@@ -114,31 +114,23 @@ void gather_finish_cell(const gather_context *gather, const cell_sums *sums, dou
     hierarchical_extract_matrix(space, sums->cell, numbers, scratch, matrix);
 }
 
-/// Sum all blocks of a cell that are here.
-/// @param scratch receives the sums first; gather_scratch_of() and twice gather_numbers_of(gather_max_side()) numbers
-static void fill_sums(const gather_context *gather, const cell_sums *sums, double *scratch)
+void gather_fill_cell(const void *context, size_t index, double *scratch, double *matrix, double *right)
 {
+    const gather_context *gather = context;
     const fit_points *points = gather->points;
-    size_t size = gather_numbers_of(gather, sums->side), begin = points->first[sums->index],
-           end = points->first[sums->index + 1];
+    cell_sums sums = gather_sums_of(gather, index);
+    size_t size = gather_numbers_of(gather, sums.side), begin = points->first[index], end = points->first[index + 1];
     double *total = scratch, *block = total + size, *rest = block + size;
     memset(total, 0, size * sizeof *total);
     for (bool first = true; begin < end; first = false)
     {
         size_t next = fit_points_block_end(points, begin, end);
-        gather_fill_block(gather, sums, begin, next, rest, first ? total : block);
+        gather_fill_block(gather, &sums, begin, next, rest, first ? total : block);
         for (size_t k = 0; !first && k < size; k++)
             total[k] += block[k];
         begin = next;
     }
-}
-
-void gather_fill_cell(const void *context, size_t index, double *scratch, double *matrix, double *right)
-{
-    const gather_context *gather = context;
-    cell_sums sums = gather_sums_of(gather, index);
-    fill_sums(gather, &sums, scratch);
-    gather_finish_cell(gather, &sums, scratch, scratch + gather_numbers_of(gather, sums.side), matrix, right);
+    gather_finish_cell(gather, &sums, total, block, matrix, right);
 }
 
 /// The terms of a point in the sums: w |x|^2, and 1 for a point with positive weight.

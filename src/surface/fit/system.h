@@ -111,6 +111,8 @@ void gather_fill_block(const gather_context *gather, const cell_sums *sums, size
 /// The contribution of a cell, in its active functions, from its sums.
 void gather_finish_cell(const gather_context *gather, const cell_sums *sums, double *numbers, double *scratch,
                         double *matrix, double *right);
+/// The contribution of a cell from all its points that are here.
+/// @param scratch gather_scratch_of() and three times gather_numbers_of(gather_max_side()) numbers
 void gather_fill_cell(const void *context, size_t index, double *scratch, double *matrix, double *right);
 
 /// product = S x for a symmetric matrix S with the pattern of the system.

@@ -200,8 +200,11 @@ static bat_status measure(const bat_cloud *cloud, const sparse_rows *rows, const
     return BAT_OK;
 }
 
-/// Divide the weights by the stretch at the neighbour, and rescale the rows.
-static void reweight(const double *stretch, double minimum, sparse_rows *rows)
+/// One round: divide the weights by the stretch at the neighbour, rescale the rows, and solve.
+/// @param stretch stretch at all points, before and after the round
+/// @param energy  receives the total stretch; infinite if the solver does not converge
+static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, double minimum, double *stretch,
+                                     double *parameters, double *energy, bat_error *error)
 {
     for (size_t row = 0; row < rows->row_count; row++)
     {
@@ -211,15 +214,6 @@ static void reweight(const double *stretch, double minimum, sparse_rows *rows)
         for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
             rows->values[e] /= sum;
     }
-}
-
-/// One round.
-/// @param stretch stretch at all points, before and after the round
-/// @param energy  receives the total stretch; infinite if the solver does not converge
-static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, double minimum, double *stretch,
-                                     double *parameters, double *energy, bat_error *error)
-{
-    reweight(stretch, minimum, rows);
     bat_status status = averages_solve(cloud, rows, NULL, parameters, error);
     *energy = INFINITY;
     if (status == BAT_NO_CONVERGENCE)

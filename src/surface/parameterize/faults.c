@@ -91,11 +91,6 @@ static map_sums sum_map(const fold_finder *finder, const neighbour_list *near, s
     return sums;
 }
 
-static double determinant(const double a[2][2])
-{
-    return a[0][0] * a[1][1] - a[0][1] * a[1][0];
-}
-
 /// The ratio of the singular values of a matrix, at least 1.
 static double ratio_of(const double a[2][2])
 {
@@ -175,7 +170,7 @@ static bat_status fold_finder_find(const fold_finder *finder, const double *para
             if (own == BAT_OK)
             {
                 map_sums sums = sum_map(finder, &near, i, parameters);
-                double area = determinant((const double(*)[2])sums.ux);
+                double area = sums.ux[0][0] * sums.ux[1][1] - sums.ux[0][1] * sums.ux[1][0];
                 folded[i] = !(positive ? area > 0 : area < 0);
                 if (stretches != NULL)
                     stretches[i - finder->order.cloud.boundary_count] = stretch_of(&sums);

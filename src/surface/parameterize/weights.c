@@ -213,33 +213,24 @@ static void add_triangles(const bat_cloud *cloud, size_t *ends, sparse_rows *row
         }
 }
 
-/// Reserve two entries for each triangle of a point.
-static bat_status make_room(const bat_cloud *cloud, sparse_rows *rows, bat_error *error)
-{
-    size_t count = cloud->count - cloud->boundary_count, entries = 0;
-    for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
-        entries += cloud->triangles[k] >= cloud->boundary_count ? 2 : 0;
-    bat_status status = sparse_rows_make(count, cloud->count, entries, rows, error);
-    if (status != BAT_OK)
-        return status;
-    memset(rows->starts, 0, (count + 1) * sizeof *rows->starts);
-    for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
-        if (cloud->triangles[k] >= cloud->boundary_count)
-            rows->starts[cloud->triangles[k] - cloud->boundary_count + 1] += 2;
-    for (size_t row = 0; row < count; row++)
-        rows->starts[row + 1] += rows->starts[row];
-    return BAT_OK;
-}
-
 bat_status weights_of_triangles(const bat_cloud *cloud, sparse_rows *rows, bat_error *error)
 {
-    size_t count = cloud->count - cloud->boundary_count;
+    size_t count = cloud->count - cloud->boundary_count, entries = 0;
     size_t *ends = memory_array(count, sizeof *ends);
     if (ends == NULL)
         return error_memory(error, count * sizeof *ends);
-    bat_status status = make_room(cloud, rows, error);
+    // A point has up to two entries for each of its triangles.
+    for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
+        entries += cloud->triangles[k] >= cloud->boundary_count ? 2 : 0;
+    bat_status status = sparse_rows_make(count, cloud->count, entries, rows, error);
     if (status == BAT_OK)
     {
+        memset(rows->starts, 0, (count + 1) * sizeof *rows->starts);
+        for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
+            if (cloud->triangles[k] >= cloud->boundary_count)
+                rows->starts[cloud->triangles[k] - cloud->boundary_count + 1] += 2;
+        for (size_t row = 0; row < count; row++)
+            rows->starts[row + 1] += rows->starts[row];
         memcpy(ends, rows->starts, count * sizeof *ends);
         add_triangles(cloud, ends, rows);
         status = finish_rows(cloud, ends, rows, error);
