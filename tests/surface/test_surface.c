@@ -500,8 +500,9 @@ static void few_points_are_doubted(void **state)
 static void covered_gaps_are_doubted(void **state)
 {
     (void)state;
-    const bat_surface_doubt expected[] = {BAT_SURFACE_DOUBT_NONE, BAT_SURFACE_DOUBT_GAP, BAT_SURFACE_DOUBT_AREA};
-    for (int kind = 0; kind < 3; kind++)
+    const bat_surface_doubt expected[] = {BAT_SURFACE_DOUBT_NONE, BAT_SURFACE_DOUBT_GAP, BAT_SURFACE_DOUBT_GAP,
+                                          BAT_SURFACE_DOUBT_AREA};
+    for (int kind = 0; kind < 4; kind++)
     {
         bat_random random = bat_random_seed(9);
         bat_cloud cloud = {0};
@@ -509,7 +510,7 @@ static void covered_gaps_are_doubted(void **state)
         {
             double u = bat_random_uniform(&random), v = bat_random_uniform(&random), place[3];
             bool slot = kind == 1 && fabs(u - 0.5) < 0.2 && fabs(v - 0.5) < 0.04;
-            bool notch = kind == 2 && fabs(u - 0.5) < 0.04 && v > 0.4;
+            bool notch = kind >= 2 && fabs(u - 0.5) < (kind == 2 ? 0.04 : 0.027) && v > (kind == 2 ? 0.4 : 0.1);
             patch_waves(u, v, place);
             if (!slot && !notch)
                 add_point(&cloud, place[0], place[1], place[2]);
