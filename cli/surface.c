@@ -332,6 +332,42 @@ static int report_shell(const surface_job *job)
 
 // A fit
 
+/// Try a trimmed surface where a patch is refused, or closes a gap. Take it if it is right, and instead of a right patch if
+/// it closes none, or a smaller one.
+/// @param patch the status of the patch
+static bat_status try_trimmed(surface_job *job, bat_surface_reconstruct_options options, bat_status patch)
+{
+    bat_surface_doubt doubt = job->result.verdict.doubt;
+    bool closes = patch == BAT_OK && (doubt == BAT_SURFACE_DOUBT_GAP || doubt == BAT_SURFACE_DOUBT_AREA);
+    if (!(closes || (patch != BAT_OK && strcmp(report_error()->remedy, "trim") == 0)) ||
+        !leads_on(job, &(bat_error){.remedy = "shell"}))
+        return patch;
+    bat_cloud cloud;
+    bat_surface_result trimmed = {0};
+    options.trim = true;
+    bat_status status = bat_cloud_copy(&job->cloud, &cloud, report_error());
+    if (status != BAT_OK)
+        return status;
+    cloud.boundary_count = 0;
+    cloud.has_corners = false;
+    status = bat_surface_reconstruct_edges(&cloud, &options, job->edges, &trimmed, report_error());
+    const bat_surface_verdict *verdict = &trimmed.verdict;
+    bool is_better = verdict->fault == BAT_SURFACE_FAULT_NONE &&
+                     (verdict->doubt != BAT_SURFACE_DOUBT_GAP || verdict->doubt_size < job->result.verdict.doubt_size);
+    if (status == BAT_OK && (patch != BAT_OK || is_better))
+    {
+        const bat_surface_result result = job->result;
+        const bat_cloud points = job->cloud;
+        job->result = trimmed;
+        job->cloud = cloud;
+        trimmed = result;
+        cloud = points;
+    }
+    bat_surface_result_free(&trimmed);
+    bat_cloud_free(&cloud);
+    return patch == BAT_OK && status != BAT_CANCELLED && status != BAT_NO_MEMORY ? BAT_OK : status;
+}
+
 static int reconstruct(surface_job *job)
 {
     bat_surface_model *model = NULL;
@@ -350,12 +386,7 @@ static int reconstruct(surface_job *job)
         options.given = given;
         options.fit.progress = report_progress("fitting");
         bat_status status = bat_surface_reconstruct_edges(&job->cloud, &options, job->edges, &job->result, report_error());
-        if (status != BAT_OK && strcmp(report_error()->remedy, "trim") == 0 &&
-            leads_on(job, &(bat_error){.remedy = "shell"}))
-        {
-            options.trim = true;
-            status = bat_surface_reconstruct_edges(&job->cloud, &options, job->edges, &job->result, report_error());
-        }
+        status = try_trimmed(job, options, status);
         code = status != BAT_OK && leads_to_shell(job) ? make_shell(job)
                                                        : report_status(job->call.given, job->call.input, status);
     }

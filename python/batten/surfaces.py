@@ -313,15 +313,24 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
         how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     follow = options("bat_shell_reconstruct_options", {})
     leads_on = shell is None and lib.bat_shell_follows(how, outlined, ffi.new("bat_error *", {"remedy": b"shell"}), follow)
+    patch: Surface | None = None
     for trim in (how.trim, True):
         how.trim = trim
         try:
-            return _patch(points, faces, boundary, corners, parameters, edges, progress, how)
+            made = _patch(points, faces, boundary, corners, parameters, edges, progress, how)
         except BattenError as error:
+            if patch is not None:
+                return patch
             if not leads_on or error.remedy not in ("trim", "shell"):
                 raise
             if error.remedy == "shell":
                 break
+        else:
+            verdict = made.report["verdict"]
+            if not leads_on or verdict["doubt"] not in ("gap", "area") or trim:
+                closes = patch is not None and verdict["doubt"] == "gap" and verdict["doubt_size"] >= patch.report["verdict"]["doubt_size"]
+                return patch if patch is not None and (closes or verdict["fault"] != "none") else made
+            patch = made
     return _shell(points, faces, follow, progress, resume)
 
 

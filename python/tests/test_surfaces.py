@@ -128,6 +128,16 @@ def test_what_is_no_disc_is_trimmed_or_becomes_a_shell():
     assert isinstance(shell, batten.Shell) and not shell.closed and shell.report.holes == 2
 
 
+def test_a_closed_gap_is_trimmed():
+    points = np.random.default_rng(3).uniform(size=(2000, 2))
+    points = points[(abs(points[:, 0] - 0.5) > 0.04) | (points[:, 1] < 0.4)]
+    points = np.c_[points, 0.1 * points[:, 0] ** 2]
+    patch, trimmed = batten.fit_surface(points, shell=False), batten.fit_surface(points)
+    assert patch.report["verdict"]["doubt"] == "gap" and trimmed.report["verdict"]["doubt"] != "gap"
+    areas = [surface.report["verdict"]["area"] / 0.952 for surface in (patch, trimmed)]
+    assert areas[0] > 1.03 and abs(areas[1] - 1) < 0.015
+
+
 def test_shells_refuse(torus):
     with pytest.raises(batten.InvalidArgument, match="face"):
         batten.fit_surface(torus, shell=True, faces=60)(10**6, 0, 0)
