@@ -319,7 +319,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
         try:
             made = _patch(points, faces, boundary, corners, parameters, edges, progress, how)
         except BattenError as error:
-            if patch is not None:
+            if patch is not None and error.status not in ("cancelled", "no memory"):
                 return patch
             if not leads_on or error.remedy not in ("trim", "shell"):
                 raise
