@@ -51,6 +51,8 @@ static const option_spec OPTIONS[] = {
      FLAG(surface_job, shell)},
     {"patches", "N", METHOD, 0, "with --shell: about this number of patches; default: as many as bring points nearer",
      WHOLE(surface_job, shell_options.faces, 6, 1000000)},
+    {"spans", "N", METHOD, 0, "of a shell: spans of a patch in each direction, 2 to 16; more make fewer patches; default 2",
+     WHOLE(surface_job, shell_options.spans, 2, 16)},
     {"crease-angle", "DEG", METHOD, 0, "of a shell: edges beyond this angle stay sharp; 0: none; default 40",
      DEGREES(surface_job, shell_options.crease, 0)},
     {"resume", "FILE", METHOD, 0,
@@ -209,6 +211,7 @@ static bool check(void *of)
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
         {argument(given, "crease-angle") != NULL && job->options.trim, "--crease-angle goes with shells, not with --trim"},
         {job->steps != NULL && job->options.trim, "--resume goes with shells, not with --trim"},
+        {argument(given, "spans") != NULL && job->options.trim, "--spans goes with shells, not with --trim"},
         {job->shell && (job->parameters != NULL || job->parameter_file != NULL || argument(given, "functions") != NULL),
          "a shell has patches, not functions and parameters of one square: leave out --shell, or give --patches"},
         {job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO,
@@ -299,6 +302,7 @@ static int report_shell(const surface_job *job)
 {
     const bat_shell *shell = &job->made;
     const bat_shell_report *report = &job->shell_report;
+    double tolerance = job->shell_options.tolerance;
     char fact[64];
     if (job->call.quiet)
         return EXIT_DONE;
@@ -313,16 +317,19 @@ static int report_shell(const surface_job *job)
         "{kind} shell of {faces} patches, {control} control points; {fact}\n"
         "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}; {missed} "
         "missed\n"
+        "[!reached?the tolerance is not reached\n]"
         "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n"
         "pieces {pieces}, left out {dropped_pieces}; holes closed {filled}; false handles cut {cut_handles}; patches that "
         "cross others {crossings}\n",
         "-input:s points:z noise:n -kind:s faces:z control:z -fact:s rms:n largest:n held_out:n jump_99:n jump_largest:n "
         "volume:n "
-        "mesh_volume:n pieces:z holes:z filled:z dropped_pieces:z closed:b spacing:n missed:z cut_handles:z crossings:z",
+        "mesh_volume:n pieces:z holes:z filled:z dropped_pieces:z closed:b spacing:n missed:z cut_handles:z crossings:z "
+        "reached:b",
         job->call.input, report->points, report->noise, shell->closed ? "closed" : "open", shell->face_count,
         shell->cage.vertex_count, fact, report->rms, report->largest, report->held_out, report->normal_jump[1] * DEGREES,
         report->normal_jump[2] * DEGREES, report->volume, report->mesh_volume, report->pieces, report->holes, report->filled,
-        report->dropped_pieces, (int)shell->closed, report->spacing, report->missed, report->cut_handles, report->crossings);
+        report->dropped_pieces, (int)shell->closed, report->spacing, report->missed, report->cut_handles, report->crossings,
+        (int)(!(tolerance > 0) || report->largest <= tolerance));
     bat_surface_primitive found = {.kind = BAT_SURFACE_PRIMITIVE_NONE};
     if (job->cloud.points != NULL)
         (void)bat_surface_find_primitive(&job->cloud, &known, &found, report_error());
