@@ -468,19 +468,13 @@ static bat_status join_lines(const file_text *text, char **joined, bat_error *er
     return BAT_OK;
 }
 
-static bat_status read_obj(const file_text *given, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
-                           bat_error *error)
+static bat_status read_joined(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                              bat_error *error)
 {
-    char *joined = NULL;
-    bat_status status = join_lines(given, &joined, error);
-    if (status != BAT_OK)
-        return status;
-    file_text text = *given;
-    if (joined != NULL)
-        text = (file_text){joined, strlen(joined), given->points, given->path};
     obj_reader reader = {.builder.faceless = faceless,
-                         .scan = word_scan_start(text.data, text.size),
+                         .scan = word_scan_start(text->data, text->size),
                          .lenient = options->repair || !options->strict};
+    bat_status status;
     do
         status = read_statement(&reader, error);
     while (status == BAT_OK && scan_next_line(&reader.scan));
@@ -488,13 +482,27 @@ static bat_status read_obj(const file_text *given, const bat_mesh_read_options *
         status = obj_labels_finish(&reader.labels, &reader.builder, options->notes, error);
     text_free(&reader.labels.files);
     if (status != BAT_OK)
-        mesh_builder_free(&reader.builder);
-    else
     {
-        status = mesh_builder_finish(&reader.builder, options, mesh, error);
-        if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
-            error->line = scan_line_of(&text, scan_word, "f", error->index);
+        mesh_builder_free(&reader.builder);
+        return status;
     }
+    status = mesh_builder_finish(&reader.builder, options, mesh, error);
+    if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
+        error->line = scan_line_of(text, scan_word, "f", error->index);
+    return status;
+}
+
+static bat_status read_obj(const file_text *given, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                           bat_error *error)
+{
+    char *joined = NULL;
+    bat_status joining = join_lines(given, &joined, error);
+    if (joining != BAT_OK)
+        return joining;
+    file_text text = *given;
+    if (joined != NULL)
+        text = (file_text){joined, strlen(joined), given->points, given->path};
+    bat_status status = read_joined(&text, options, faceless, mesh, error);
     free(joined);
     return status;
 }
