@@ -3,6 +3,7 @@
 
 #include "surface/shell/work.h"
 
+#include "base/hash.h"
 #include "learn/safetensors.h"
 #include "mesh/check.h"
 #include "mesh/labels.h"
@@ -41,26 +42,15 @@ static void name_array(size_t mesh, size_t array, char name[NAME_SIZE])
     (void)snprintf(name, NAME_SIZE, "%s.%s", MESH_NAMES[mesh], ROWS[array].name);
 }
 
-/// FNV-1a, of numbers.
-static uint64_t digest(uint64_t key, const double *numbers, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-    {
-        uint64_t bits;
-        memcpy(&bits, numbers + i, sizeof bits);
-        key = (key ^ bits) * 0x100000001b3U;
-    }
-    return key;
-}
-
 /// What identifies a reconstruction: the points in their frame, its unit, and the options that change what is kept.
 static void make_key(const shell_work *work, char text[NAME_SIZE])
 {
     const bat_shell_reconstruct_options *options = work->options;
     const double numbers[] = {work->unit,      options->tolerance, (double)options->faces, (double)options->spans,
                               options->crease, options->fill_holes};
-    uint64_t key = digest(0xcbf29ce484222325U, numbers, sizeof numbers / sizeof *numbers);
-    (void)snprintf(text, NAME_SIZE, "%016llx", (unsigned long long)digest(key, work->points, 3 * work->count));
+    uint64_t key = hash_bytes(HASH_BEGIN, numbers, sizeof numbers);
+    key = hash_bytes(key, work->points, 3 * work->count * sizeof *work->points);
+    (void)snprintf(text, NAME_SIZE, "%016llx", (unsigned long long)key);
 }
 
 /// Copy the numbers of a reconstruction to a list, or from it.
@@ -93,6 +83,8 @@ bat_status shell_steps_save(shell_work *work, bat_error *error)
     safetensors_array arrays[MESHES * ARRAYS + 1];
     char names[MESHES * ARRAYS][NAME_SIZE], key[NAME_SIZE];
     double numbers[NUMBERS];
+    if (work->steps == NULL)
+        return BAT_OK;
     for (size_t k = 0; k < MESHES; k++)
     {
         const bat_mesh *mesh = meshes[k];
@@ -106,8 +98,6 @@ bat_status shell_steps_save(shell_work *work, bat_error *error)
                 (safetensors_array){name, ROWS[a].type, 2, {counts[a], ROWS[a].width}, counts[a] * ROWS[a].width, values[a]};
         }
     }
-    if (work->steps == NULL)
-        return BAT_OK;
     move_numbers(work, false, numbers);
     make_key(work, key);
     arrays[MESHES * ARRAYS] = (safetensors_array){"numbers", SAFETENSORS_F64, 1, {NUMBERS}, NUMBERS, numbers};

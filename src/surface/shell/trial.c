@@ -23,6 +23,8 @@
 static const double MIN_GAIN = 0.005;
 /// With stronger smoothing, the share by which they may rise with more faces, and the factor against weak smoothing.
 static const double MAX_LOSS = 0.002, MAX_RISE = 1.015;
+/// Weight of normals in the error of the layouts that follow residuals.
+static const double WEIGHED_NORMALS = 1;
 /// Largest factor of normals where points are far, and the least share by which it brings held-out points nearer.
 static const double MAX_FACTOR = 4, MIN_WEIGHED_GAIN = 0.01;
 /// Largest number of faces with creases, in the number that was given or is the least for a tolerance, or in the least of
@@ -275,7 +277,7 @@ static bat_status refine_layout(shell_work *work, size_t faces, double tolerance
     memcpy(normals, work->mesh.channels, 3 * vertices * sizeof *normals);
     for (size_t v = 0; v < vertices; v++)
         kept[v] = 1;
-    work->normals = SHELL_WEIGHED_NORMALS;
+    work->normals = WEIGHED_NORMALS;
     for (int k = 0; k < WEIGHED; k++)
     {
         status = progress_check(progress, 1, error);
@@ -288,7 +290,7 @@ static bat_status refine_layout(shell_work *work, size_t faces, double tolerance
             (tolerance > 0 && largest > tolerance))
             continue;
         *best = held;
-        weight = SHELL_WEIGHED_NORMALS;
+        weight = WEIGHED_NORMALS;
         SWAP(tried, kept);
     }
     work->normals = weight;

@@ -10,8 +10,8 @@
 #define SHELL_MAX_FACES 2800 ///< unless a number is given
 #define SHELL_ANCHORS 3      ///< of a triangle
 
-/// Weight of normals in the error of the second layout that is tried, and of those that follow residuals.
-static const double SHELL_NORMALS = 0.3, SHELL_WEIGHED_NORMALS = 1;
+/// Weight of normals in the error of the second layout that is tried. Those that follow residuals have more.
+static const double SHELL_NORMALS = 0.3;
 
 /// A layout with its grid and a fit.
 typedef struct shell_trial
