@@ -14,7 +14,7 @@
 
 #define PLACES 7 ///< of a side
 #define TERMS 16 ///< points that the normals at a place depend on
-#define ROUNDS 16
+#define ROUNDS 64
 
 /// Angles between normals: that count as a jump; that are folds, around which patches stay.
 static const double MIN_JUMP = 1e-4, MAX_JUMP = 0.5;

@@ -2,7 +2,8 @@
 /// The layout of a shell; see shell.h.
 ///
 /// Triangles of the decimated mesh are paired by rising cost: of the largest difference of a corner of their quad from a
-/// right angle, and of the angle between their normals. Some stay single. The split puts a vertex on each edge and into each
+/// right angle, and of the angle between their normals, less a gain where an end of their edge has many edges: patches fold
+/// there most. Some stay single. The split puts a vertex on each edge and into each
 /// polygon, so that only the vertices of the decimated mesh and the centres of single triangles have a valence other than
 /// four.
 
@@ -15,6 +16,8 @@
 
 /// Cost of an angle between normals, relative to that of a corner.
 static const double BEND_COST = 0.5;
+/// Gain of a pair for each edge beyond six at an end of its own.
+static const double DEGREE_GAIN = 0.05;
 /// Cost from which two triangles stay single: 65 degrees.
 static const double MAX_COST = 1.134464013796314;
 /// Least quality of triangles in the decimation, that of meshes with creases where the number of faces is free, and cosine
@@ -96,8 +99,12 @@ static bat_status pair_triangles(layout_builder *builder, bat_error *error)
         degrees[mesh->faces[bat_mesh_next(h)]] += builder->links.twin[h] == NONE;
     }
     for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
-        if (builder->links.twin[h] != NONE && builder->links.twin[h] > h && may_join(builder, h))
-            builder->costs[count++] = (pair_cost){cost_of_pair(mesh, h, builder->links.twin[h]), h};
+    {
+        uint32_t twin = builder->links.twin[h], ends[2] = {degrees[mesh->faces[h]], degrees[mesh->faces[bat_mesh_next(h)]]};
+        double gain = DEGREE_GAIN * (fmax(ends[0], 6) + fmax(ends[1], 6) - 12);
+        if (twin != NONE && twin > h && may_join(builder, h))
+            builder->costs[count++] = (pair_cost){cost_of_pair(mesh, h, twin) - gain, h};
+    }
     qsort(builder->costs, count, sizeof *builder->costs, compare_costs);
     memset(builder->partner, 0xff, mesh->face_count * sizeof *builder->partner);
     for (size_t k = 0; k < count; k++)
